@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The Python package: built and installed from the clone into an environment of its own, linted,
-# type-checked and tested. RLlib and sweeps on two Ray nodes, Stable-Baselines3, TorchRL and the
-# notebook follow.
+# type-checked and tested. RLlib and sweeps on two Ray nodes, Stable-Baselines3, TorchRL, BenchMARL
+# and the notebook follow.
 # PyTorch and Ray are large (some 5 GB unpacked); uv fetches and unpacks them in under a minute. The
 # registry has PyTorch with CUDA alone, which does not load without CUDA's libraries; its compiler,
 # triton, can stay away.
@@ -29,15 +29,16 @@ rm "$overrides"
 )
 
 export SDL_VIDEODRIVER=dummy RAY_USAGE_STATS_ENABLED=0 OMP_NUM_THREADS=1
-# With the command, where an earlier section has built it: its policies fly the same here.
-[[ ! -x $CARGO_TARGET_DIR/release/jcas ]] || export JCAS_COMMAND=$CARGO_TARGET_DIR/release/jcas
-"$python" -m pytest -q python/tests --run-heavy
+# Sweeps run by the command, and its policies act the same here.
+cargo build --locked --quiet --release --package jcas-cli
+export JCAS_COMMAND=$CARGO_TARGET_DIR/release/jcas
+"$python" -m pytest -q python/tests --run-heavy -n auto --dist loadfile
 
 # The README's lines, as they stand.
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 sed -n '/^```python$/,/^```$/p' python/README.md | sed '/^```/d' >"$work/readme.py"
-(cd "$work" && "$python" readme.py && test -s fleet.png)
+(cd "$work" && "$python" readme.py && test -s fleet.png && test -s episode.html)
 
 # The source distribution has every crate that Cargo needs.
 uv build --quiet --sdist --out-dir "$work" python
@@ -48,6 +49,7 @@ cargo metadata --format-version 1 --manifest-path "$work"/jcas-*/kernel/Cargo.to
 "$python" examples/torchrl_mappo.py --iterations 1 --missions 8 --steps 50 --uavs 3 --width 32
 "$python" examples/stable_baselines3_ppo.py --steps 300 --missions 4 --uavs 3 --hotspots 1 \
     --episodes 5
+"$python" examples/benchmarl_train.py --help >"$work/benchmarl_help.txt"
 "$venv/bin/jupyter" execute examples/tour.ipynb
 "$python" examples/radar/ofdm_radar.py --frames 100 --ranges-m 60 \
     --out "$work/p_d.csv" --figure "$work/p_d.png"

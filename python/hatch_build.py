@@ -1,4 +1,4 @@
-"""Builds the kernel's shared library with Cargo and puts it into the wheel.
+"""Builds the kernel's shared library with Cargo and puts it into the wheel, with the replay page.
 
 The library is loaded at run time by its C interface, so it depends on no version of Python. One
 wheel serves all versions, and its tag names the platform only.
@@ -25,6 +25,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 SHARED_LIBRARY_SUFFIXES = (".so", ".dylib", ".dll")
 # The library's crate and the crates of the workspace that it depends on.
 CRATES = ("core", "simd", "policy", "plan", "trace", "ffi")
+PAGE = "replay.html"
 LICENSES = ("LICENSE-MIT", "LICENSE-APACHE")
 
 
@@ -59,6 +60,7 @@ class CargoBuildHook(BuildHookInterface):
         shutil.copy2(library, bundled)
         if not prebuilt and library.suffix == ".so" and (strip := shutil.which("strip")):
             subprocess.run([strip, "--strip-unneeded", bundled], check=True)
+        (native / PAGE).write_text(replay_page(workspace), encoding="utf-8")
         platform = os.environ.get("JCAS_WHEEL_PLATFORM") or sysconfig.get_platform()
         build_data["tag"] = f"py3-none-{platform.replace('-', '_').replace('.', '_')}"
         build_data["pure_python"] = False
@@ -76,14 +78,39 @@ class CargoBuildHook(BuildHookInterface):
         generated = Path(self.directory) / "kernel-Cargo.toml"
         generated.parent.mkdir(parents=True, exist_ok=True)
         generated.write_text(manifest)
-        files = {str(generated): "kernel/Cargo.toml"}
+        page = generated.with_name(PAGE)
+        page.write_text(replay_page(workspace), encoding="utf-8")
+        files = {str(generated): "kernel/Cargo.toml", str(page): f"kernel/{PAGE}"}
         for name in ("Cargo.lock", "rust-toolchain.toml", *LICENSES, *CRATES):
             files[str(workspace / name)] = f"kernel/{name}"
         build_data["force_include"].update(files)
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
-        """Remove the generated manifest."""
-        (Path(self.directory) / "kernel-Cargo.toml").unlink(missing_ok=True)
+        """Remove what was generated."""
+        for name in ("kernel-Cargo.toml", PAGE):
+            (Path(self.directory) / name).unlink(missing_ok=True)
+
+
+def replay_page(workspace: Path) -> str:
+    """Put the page that plays an episode together; its title and its data are still marks."""
+    if (workspace / PAGE).is_file():  # In a source archive.
+        return (workspace / PAGE).read_text(encoding="utf-8")
+    folder = workspace / "episode" / "src" / "replay"
+
+    def part(name: str) -> str:
+        return (folder / name).read_text(encoding="utf-8")
+
+    scripts = re.findall(r'include_str!\("(\w+\.js)"\)', part("mod.rs"))
+    marks = {
+        "sources": "script-src 'unsafe-inline'",
+        "style": part("style.css").rstrip(),
+        "controls": "",
+        "script": "\n".join(map(part, scripts)).rstrip(),
+    }
+    page = part("template.html")
+    for mark, text in marks.items():
+        page = page.replace(f"{{{{{mark}}}}}", text, 1)
+    return page
 
 
 def build_library(workspace: Path) -> Path:

@@ -1,6 +1,9 @@
 """Doors of other libraries: registries, spawned workers, infos, seeds, masks, wrappers."""
 
+import subprocess
+import sys
 import warnings
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -203,14 +206,22 @@ def test_torchrl_keeps_the_infos_and_makes_the_id():
 
 
 @pytest.mark.heavy
-def test_minari_records_the_infos(tmp_path, monkeypatch):
+def test_minari_keeps_the_infos_of_recorded_episodes(tmp_path, monkeypatch):
     minari = pytest.importorskip("minari")
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
-    env = minari.DataCollector(gymnasium.make("jcas/Fleet-v0", **FIELDS), record_infos=True)
-    for seed in (1, 2):
-        env.reset(seed=seed)
-        for _ in range(6):
-            env.step(env.action_space.sample())
-    data = env.create_dataset("jcas/test-v0", eval_env="jcas/Fleet-v0")
-    episode = next(data.iterate_episodes())
-    assert episode.infos["steps"].tolist() == [0] * 6 + [6]
+    example = Path(__file__).parents[2] / "examples" / "minari_dataset.py"
+    command = [sys.executable, example, "teams", "replan", "--episodes", "2"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+    for policy in ("teams", "replan"):
+        data = minari.load_dataset(f"jcas/paper-{policy}-v0")
+        assert data.total_episodes == 2 and f"paper-{policy}-v0: 2 episodes" in done.stdout
+        for episode in data.iterate_episodes():
+            steps = len(episode.actions)
+            assert episode.infos["steps"].tolist() == [0] * steps + [steps]
+            assert episode.terminations[-1] and episode.infos["success"][-1]
+            env = data.recover_environment()
+            env.reset(seed=derive_seed(1, episode.id) % 2**63)
+            for action in episode.actions:
+                _, _, terminated, _, _ = env.step(action)
+            assert terminated

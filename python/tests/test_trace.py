@@ -1,7 +1,10 @@
 """Golden traces, recorded by the command line, fly the same through Python to the last bit."""
 
 import ctypes
+import html
 import json
+import os
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -79,20 +82,7 @@ def record_hosted() -> bytes:
     """Record, through the C interface, an episode with every kind of host control."""
     model = jcas.Model(jcas.Config(uav_count=3, hotspot_count=2, horizon_steps=20))
     sim = jcas.Sim(model)
-    pieces: list[bytes] = []
-    size, alignment = ctypes.c_size_t(), ctypes.c_size_t()
-    check(lib.jcas_trace_layout(model.handle, ctypes.byref(size), ctypes.byref(alignment)))
-    memory = np.zeros(size.value // 8, np.uint64)
-    take = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)(
-        lambda data, count, _: pieces.append(ctypes.string_at(data, count)) or 0
-    )
-    recorder = _abi.jcas_recorder(
-        struct_size=ctypes.sizeof(_abi.jcas_recorder),
-        write=ctypes.cast(take, ctypes.c_void_p),
-        memory=memory.ctypes.data,
-        memory_size=size.value,
-    )
-    check(lib.jcas_sim_record(sim.handle, 5, ctypes.byref(recorder)))
+    recorder = jcas.Recorder(sim, 5)
     cell = ctypes.POINTER(_abi.jcas_cell)
     cells = np.array([[1, 1], [2, 2], [3, 3]], np.uint32)
     charges = np.array([5 * 10**11, 10**11, 1], np.uint64)
@@ -121,8 +111,7 @@ def record_hosted() -> bytes:
             check(lib.jcas_sim_step_communicate_with(sim.handle, links.ctypes.data, 9, *measured))
         check(lib.jcas_sim_step_end(sim.handle, outcome))
     check(lib.jcas_sim_set_battery(sim.handle, 0, 9))
-    check(lib.jcas_sim_record_end(sim.handle))
-    return b"".join(pieces)
+    return recorder.trace().text
 
 
 def test_what_a_host_supplied_flies_the_same_again(tmp_path):
@@ -142,3 +131,67 @@ def test_what_a_host_supplied_flies_the_same_again(tmp_path):
     file.write_bytes(sealed(b"\n".join(moved)))
     with pytest.raises(jcas.TraceError, match=r"line \d+: positions differs"):
         jcas.replay_trace(file)
+
+
+def page_data(page: str) -> dict:
+    return json.loads(page.split('id="episode">')[1].split("</script>")[0])
+
+
+def test_an_episode_is_recorded_saved_and_shown(tmp_path):
+    policy = jcas.Policy.baseline("teams", jcas.Model(uav_count=6, hotspot_count=2))
+    trace = jcas.run_episode(policy, seed=3)
+    assert repr(trace) == f"<jcas.Trace of teams, seed 3: success in {len(trace.steps)} steps>"
+    trace.save(tmp_path / "episode.jsonl")
+    assert jcas.replay_trace(tmp_path / "episode.jsonl").terminated
+    page = trace.to_html()
+    assert "{{" not in page and 'src="' not in page and "@import" not in page
+    data = page_data(page)
+    assert data["header"] == trace.header and data["end"] == trace.end
+    assert [step["t"] for step in data["steps"]] == list(range(1, len(trace.steps) + 1))
+    trace.save_html(tmp_path / "episode.html")
+    assert (tmp_path / "episode.html").read_text(encoding="utf-8") == page
+    shown = trace._repr_html_()
+    assert html.unescape(shown.split('srcdoc="')[1].split('"></iframe>')[0]) == page
+
+
+def test_the_page_is_that_of_the_command(tmp_path):
+    command = os.environ.get("JCAS_COMMAND")
+    if command is None:
+        pytest.skip("JCAS_COMMAND names no jcas command")
+    for file in (FILES[0], tmp_path / "hosted.jsonl"):
+        if not file.exists():
+            file.write_bytes(record_hosted())
+        out = tmp_path / "page.html"
+        subprocess.run([command, "replay", file, "--out", out], check=True, capture_output=True)
+        theirs, own = (
+            page_data(page)
+            for page in (out.read_text(encoding="utf-8"), jcas.Trace.load(file).to_html())
+        )
+        assert theirs["header"] == own["header"] and theirs["end"] == own["end"]
+        for step, mine in zip(theirs["steps"], own["steps"], strict=True):
+            assert step == {name: mine[name] for name in step}
+
+
+def test_a_function_is_recorded_with_its_memory_begun_anew():
+    class Still:
+        begun = 0
+
+        def reset(self, missions):
+            self.begun += missions
+
+        def __call__(self, observations):
+            assert observations.shape == (1, 3, model.observation_len)
+            return np.full((1, 3), 12)  # stay, lowest pilot density
+
+    model, still = jcas.Model(uav_count=3, horizon_steps=5), Still()
+    trace = jcas.run_episode(still, model, seed=2, name="still", action_space="discrete")
+    assert still.begun == 1 and "still" in repr(trace) and "no success in 5 steps" in repr(trace)
+    np.testing.assert_allclose(trace.actions(0), [[0.8, -1]] * 3, atol=1e-6)
+
+
+def test_a_reset_ends_a_recording_without_a_trace():
+    sim = jcas.Sim(jcas.Model(uav_count=3))
+    recorder = jcas.Recorder(sim, 5)
+    sim.reset(6)
+    with pytest.raises(jcas.JcasError):
+        recorder.trace()

@@ -37,7 +37,7 @@ from .plan import Plan
 from .policy import Layer, MlpPolicy, trained_on
 from .sim import REWARD_NAMES, Sim, StepOutcome
 from .spaces import MOTIONS
-from .trace import Trace, replay_trace
+from .trace import Recorder, Trace, replay_trace, run_episode
 from .vector import FleetVectorEnv, make_vec
 
 __all__ = [
@@ -66,6 +66,7 @@ __all__ = [
     "PlanError",
     "Policy",
     "PolicyError",
+    "Recorder",
     "ResetNeededError",
     "Sim",
     "SnapshotError",
@@ -78,6 +79,7 @@ __all__ = [
     "make_vec",
     "parallel_env",
     "replay_trace",
+    "run_episode",
     "trained_on",
 ]
 

@@ -6,6 +6,7 @@ import ctypes
 import os
 from collections.abc import Callable
 from contextlib import suppress
+from itertools import count
 from pathlib import Path
 from typing import TypeAlias
 
@@ -105,6 +106,11 @@ def check_with_message(call: Callable[[ctypes.Array[ctypes.c_char], int], int]) 
     status = call(message, _MESSAGE_CAPACITY)
     if status:
         fail(status, message.value.decode("utf-8", "replace"))
+
+
+def listed(name: Callable[[int], bytes | None]) -> tuple[str, ...]:
+    """List the names that a call gives by their index, until it gives none."""
+    return tuple(text.decode() for text in iter(map(name, count()).__next__, None) if text)
 
 
 def read_text(call: TextCall) -> str:

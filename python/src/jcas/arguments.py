@@ -132,8 +132,9 @@ def read_file(path: Path) -> bytes:
     """Return what a file holds."""
     try:
         return path.read_bytes()
-    except OSError as error:
-        raise MissingFileError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except (OSError, ValueError) as error:  # A zero character in a path is a ValueError.
+        words = getattr(error, "strerror", None) or error
+        raise MissingFileError(f"{shown(str(path))}: cannot be read: {words}") from error
 
 
 def snapshot_of(name: str, value: Any) -> bytes:

@@ -51,8 +51,7 @@ class FleetEnv(MissionEnv, gymnasium.Env[Observation, Any]):
         **fields: Unpack[Fields],
     ) -> None:
         self._mission = Mission(config, dict(fields), render_mode)
-        motion_map = self.model.config["motion_map"]
-        self._form = ActionForm(action_space, pilot_levels, motion_map)
+        self._form = ActionForm(self.model, action_space, pilot_levels)
         self._credit = check_credit(credit)
         self.render_mode = render_mode
         uavs = self.model.uav_count
@@ -85,7 +84,7 @@ class FleetEnv(MissionEnv, gymnasium.Env[Observation, Any]):
 
     def action_masks(self) -> npt.NDArray[np.bool_]:
         """Which discrete actions make a difference, [N * 5 levels], as MaskablePPO asks."""
-        return self._form.mask(self.model, self.sim.observe()).astype(bool).reshape(-1)
+        return self._form.mask(self.sim.observe()).astype(bool).reshape(-1)
 
     def load(self, snapshot: bytes) -> Observation:
         """Take up a saved state of the same configuration and return its observation."""
@@ -98,5 +97,5 @@ class FleetEnv(MissionEnv, gymnasium.Env[Observation, Any]):
             own = np.zeros(len(observation)) if outcome is None else self.sim.uav_rewards()
             info["uav_rewards"] = own
         if self._form.kind == "discrete":
-            info["action_mask"] = self._form.mask(self.model, observation)
+            info["action_mask"] = self._form.mask(observation)
         return observation, info

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from ._library import check, check_with_message, lib
+from ._library import check, check_with_message, lib, listed
 from .arguments import read_file, shown
 from .batch import Batch
 from .errors import ArgumentError, PolicyError, SnapshotError
@@ -73,16 +73,20 @@ class Policy:
         except SnapshotError as error:
             raise PolicyError(f"{file}: {error}", error.status) from None
 
+    @staticmethod
+    def names() -> tuple[str, ...]:
+        """List the names of the baselines, and of the policies that plan."""
+        return listed(lib.jcas_policy_name)
+
     @classmethod
     def baseline(cls, name: str, model: Model, *, pilot: str | float = "adaptive") -> Policy:
         """Build a scripted baseline by its name.
 
-        The names are random, untrained, greedy, teams, squads, line and answer. Two more plan by
-        themselves: `plan` follows one plan without feedback, and `replan` plans again after each
-        confirmation, meeting and report. Either takes seconds for its first plan.
+        `plan` follows one plan without feedback, and `replan` plans again after each confirmation,
+        meeting and report. Either takes seconds for its first plan.
 
         Args:
-            name: which.
+            name: one of `names()`.
             model: what it will fly.
             pilot: min, mid, max, adaptive, or a density. A plan has its own densities.
 

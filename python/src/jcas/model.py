@@ -114,9 +114,12 @@ class Model:
         The probability is interpolated linearly between the middles of cells. The range is 0 where
         the probability is not reached even in the UAV's own cell.
         """
-        key = round(pilot_density, 3), probability
+        chance = real("probability", probability)
+        if not 0 < chance <= 1:
+            raise ArgumentError(f"probability = {shown(probability)}: must be above 0, at most 1")
+        key = round(real("pilot_density", pilot_density), 3), chance
         if key not in self._ranges:
-            self._ranges[key] = self._range(pilot_density, probability)
+            self._ranges[key] = self._range(pilot_density, chance)
         return self._ranges[key]
 
     def _range(self, pilot_density: float, probability: float) -> float:

@@ -56,8 +56,7 @@ class JcasParallelEnv(MissionEnv, ParallelEnv[str, Observation, Any]):
                 )
             fields["horizon_steps"] = max_cycles
         self._mission = Mission(config, dict(fields), render_mode)
-        motion_map = self.model.config["motion_map"]
-        self._form = ActionForm(action_space, pilot_levels, motion_map)
+        self._form = ActionForm(self.model, action_space, pilot_levels)
         self._credit = check_credit(credit)
         self.render_mode = render_mode
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
@@ -138,7 +137,7 @@ class JcasParallelEnv(MissionEnv, ParallelEnv[str, Observation, Any]):
         components = info.pop("reward_components")
         infos = {agent: {"reward_components": components.copy(), **info} for agent in self.agents}
         if self._form.kind == "discrete":
-            masks = self._form.mask(self.model, rows)
+            masks = self._form.mask(rows)
             for agent, mask in zip(self.agents, masks, strict=False):
                 infos[agent]["action_mask"] = mask
         return dict(zip(self.possible_agents, rows, strict=True)), infos

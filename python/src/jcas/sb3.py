@@ -158,11 +158,7 @@ class FleetVecEnv(VecEnv):
         """Which discrete actions make a difference, [M * N, 5 levels]."""
         if self.envs._form.kind != "discrete":
             raise AttributeError("action_masks: there are none without action_space='discrete'")
-        return (
-            self.envs._form.mask(self.envs.model, self._seen)
-            .astype(bool)
-            .reshape(self.num_envs, -1)
-        )
+        return self.envs._form.mask(self._seen).astype(bool).reshape(self.num_envs, -1)
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         """Refuse: members of a batch have no attributes of their own."""

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _abi
-from ._library import check, fail_saying, lib
+from ._library import check, fail_saying, lib, listed
 from .arguments import floats, seed_of, snapshot_of, writable
 from .model import Model, check_model
 from .scene import Scene
@@ -23,15 +23,7 @@ UAV = np.dtype(_abi.jcas_uav)
 HOTSPOT = np.dtype(_abi.jcas_hotspot)
 
 
-def _reward_names() -> tuple[str, ...]:
-    names, index = [], 0
-    while (name := lib.jcas_reward_name(index)) is not None:
-        names.append(name.decode())
-        index += 1
-    return tuple(names)
-
-
-REWARD_NAMES = _reward_names()
+REWARD_NAMES = listed(lib.jcas_reward_name)
 """The components of a reward, in the order in which they are summed."""
 
 EPISODE_INFO: dict[str, Any] = {

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
+from . import _abi
 from .arguments import floats, shown, whole
 from .errors import ActionError, ConfigError
 from .model import Model
@@ -31,9 +32,10 @@ FloatArray = npt.NDArray[np.float32]
 
 
 _BINS = {
-    "udlrs": MOTIONS,
-    "symmetric": ("up", "left", "stay", "right", "down"),
+    _abi.JCAS_MOTIONS_UDLRS: MOTIONS,
+    _abi.JCAS_MOTIONS_SYMMETRIC: ("up", "left", "stay", "right", "down"),
 }
+"""The motions over the bins of u_dir, by the model's `motion_map`."""
 
 
 def check_credit(credit: str) -> Credit:
@@ -48,16 +50,16 @@ class ActionForm:
     """The form of the actions of an environment.
 
     Args:
+        model: the model of the environment.
         kind: `box`, `dict`, `tuple` or `discrete`.
         levels: the pilot densities of `discrete`, evenly spaced from the lowest to the highest.
             Action `motion * levels + level` is a motion with a density.
-        motion_map: the model's order of the motions over the bins of u_dir.
 
     """
 
+    model: Model
     kind: ActionSpaceKind = "box"
     levels: int = 3
-    motion_map: str = "udlrs"
 
     def __post_init__(self) -> None:
         kinds = get_args(ActionSpaceKind)
@@ -143,12 +145,12 @@ class ActionForm:
         pairs[..., 1] = floats("pilot", pilot, shape[:-1])
         return pairs
 
-    def mask(self, model: Model, observations: FloatArray) -> npt.NDArray[np.int8]:
+    def mask(self, observations: FloatArray) -> npt.NDArray[np.int8]:
         """Mark the discrete actions that make a difference, [..., N, 5 levels], from observations.
 
         Off the grid and with an empty battery, a motion is the same as to stay.
         """
-        fields, config = model.observation_fields(), model.config.record
+        fields, config = self.model.observation_fields(), self.model.config.record
         x, y, soc = (observations[..., fields[name][0]] for name in ("x", "y", "soc"))
         inside = [y < 1, y > 0, x > 0, x < 1]
         sides = [config.grid_height] * 2 + [config.grid_width] * 2
@@ -163,7 +165,8 @@ class ActionForm:
 
     def _u_dir(self, motion: Any) -> Any:
         """Turn motion indices into the middle of their bins."""
-        bins = [_BINS[self.motion_map].index(name) for name in MOTIONS]
+        order = _BINS[self.model.config.record.motion_map]
+        bins = [order.index(name) for name in MOTIONS]
         centres = np.array([-0.8, -0.4, 0.0, 0.4, 0.8], dtype=np.float32)
         return centres[bins][motion]
 

@@ -75,7 +75,7 @@ class JcasVecEnv(EnvBase):
         self.model = Model(Config(config, **fields))
         self.batch = Batch(self.model, missions, threads)
         self.group_map = {GROUP: [f"uav_{uav}" for uav in range(self.model.uav_count)]}
-        self._form = ActionForm(action_space, pilot_levels)
+        self._form = ActionForm(self.model, action_space, pilot_levels)
         self._own = check_credit(credit) == "uav"
         self._out = BatchBuffers(self.model, missions, global_state=True, uav_rewards=self._own)
         self._shape = (missions, self.model.uav_count)
@@ -169,7 +169,7 @@ class JcasVecEnv(EnvBase):
         rows, state = self._observed()
         group = {"observation": torch.from_numpy(rows)}
         if self._form.kind == "discrete":
-            group["action_mask"] = torch.from_numpy(self._form.mask(self.model, rows)).bool()
+            group["action_mask"] = torch.from_numpy(self._form.mask(rows)).bool()
         info = {
             name: torch.from_numpy(values)[:, None]
             for name, values in self._out.episode_info(ended).items()

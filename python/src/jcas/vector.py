@@ -79,8 +79,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         }
         self.render_mode = render_mode
         self.model = Model(Config(config, **fields))
-        motion_map = self.model.config["motion_map"]
-        self._form = ActionForm(action_space, pilot_levels, motion_map)
+        self._form = ActionForm(self.model, action_space, pilot_levels)
         self.batch = Batch(self.model, self.num_envs, threads=_check_threads(threads))
         uavs = self.model.uav_count
         self.single_observation_space = self.model.observation_space(uavs)
@@ -234,7 +233,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         if buffers.global_state is not None:
             infos["global_state"] = buffers.global_state
         if self._form.kind == "discrete":
-            infos["action_mask"] = self._form.mask(self.model, buffers.observations)
+            infos["action_mask"] = self._form.mask(buffers.observations)
         everywhere = np.ones(self.num_envs, np.bool_)
         infos.update(dict.fromkeys(_mask_names(tuple(infos)), everywhere))
         if self._autoreset is AutoresetMode.SAME_STEP and ended.any():

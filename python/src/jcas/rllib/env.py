@@ -38,7 +38,7 @@ class JcasMultiAgentEnv(MissionEnv, MultiAgentEnv):
         run_seed, runner = fields.pop("seed", 0), getattr(config, "worker_index", None)
         self._runner_seed = None if runner is None else derive_seed(run_seed, runner)
         self._mission = Mission(fields, {}, None)
-        self._form = ActionForm()
+        self._form = ActionForm(self.model)
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
         self.agents = list(self.possible_agents)
         observation = spaces.Dict(
