@@ -25,8 +25,9 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use jcas_core::{Cell, Model, StateRef};
+use jcas_policy::geometry::one_more;
 
-use crate::objective::{fewer_than, one_more};
+use crate::objective::fewer_than;
 use crate::odds::Odds;
 
 /// Halvings of the interval in which the scale of the odds lies.

@@ -26,8 +26,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use jcas_core::Cell;
+use jcas_policy::geometry::one_more;
 
-use crate::objective::one_more;
 use crate::odds::Odds;
 use crate::problem::{Problem, power};
 use crate::targets::Placement;

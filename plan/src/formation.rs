@@ -4,19 +4,14 @@ use alloc::vec::Vec;
 
 use jcas_core::Cell;
 use jcas_core::motion::{destination, toward};
+use jcas_policy::geometry::{Formation, LINES_MAX, Rank, THIRDS_MAX, meeting_cell};
 
 use crate::battery::{Duty, after, duty};
-use crate::gather::meeting_cell;
 use crate::paths::Paths;
 use crate::problem::Problem;
 
-/// The maximum number of lines, and of strips that a line sweeps one after the other.
-const MOST: u32 = 4;
-/// The maximum spread of a line, in thirds of the width of its strip; 0 is a flock.
-const THIRDS: u32 = 3;
-
 /// The maximum number of sweeps.
-pub(crate) const SWEEPS_MAX: usize = (MOST * MOST * (THIRDS + 1)) as usize;
+pub(crate) const SWEEPS_MAX: usize = (LINES_MAX * LINES_MAX * (THIRDS_MAX + 1)) as usize;
 
 /// A recorder that flies a fleet toward targets, as its batteries allow, and stores its cells.
 pub(crate) struct Recorder<'p, 'm> {
@@ -91,131 +86,28 @@ impl<'p, 'm> Recorder<'p, 'm> {
     }
 }
 
-/// A line with its stations, and the offset of each of its UAVs across.
-struct Rank {
-    first: usize,
-    places: Vec<i64>,
-    /// The stations as (across, along), in cells.
-    stations: Vec<(i64, i64)>,
-    next: usize,
-    forward: bool,
-}
-
-/// Returns the width across the sweep, the length along it, and whether x runs along it.
-fn extents(problem: &Problem<'_>) -> (i64, i64, bool) {
-    let config = problem.model.config();
-    let (width, height) = (config.grid_width, config.grid_height);
-    (
-        i64::from(width.min(height)),
-        i64::from(width.max(height)),
-        width > height,
-    )
-}
-
-impl Rank {
-    fn place(&self, problem: &Problem<'_>, index: usize) -> Cell {
-        let (across, _, transposed) = extents(problem);
-        let (x, y) = self.stations[self.next];
-        let x = (x + self.places[index]).max(0).min(across - 1) as u32;
-        let y = y as u32;
-        if transposed {
-            Cell { x: y, y: x }
-        } else {
-            Cell { x, y }
-        }
-    }
-
-    /// Advances to the next station once most UAVs of the line are in place, and turns back at the
-    /// end.
-    fn advance(&mut self, recorder: &Recorder<'_, '_>) {
-        let last = self.stations.len() - 1;
-        let count = self.places.len();
-        let arrived = (0..count)
-            .filter(|&index| {
-                recorder.cell(self.first + index) == self.place(recorder.problem, index)
-            })
-            .count();
-        if count == 0 || 2 * arrived <= count || last == 0 {
-            return;
-        }
-        if self.next == if self.forward { last } else { 0 } {
-            self.forward = !self.forward;
-        }
-        self.next = if self.forward {
-            self.next + 1
-        } else {
-            self.next - 1
-        };
-    }
-}
-
-fn rows(problem: &Problem<'_>, lines: i64, strips: i64, thirds: i64) -> Vec<Rank> {
-    let (across, along, transposed) = extents(problem);
-    let uavs = problem.situation.cells.len();
-    let start = problem.situation.cells.first().copied().unwrap_or_default();
-    let start = i64::from(if transposed { start.x } else { start.y });
-    (0..lines)
-        .map(|line| {
-            let share = |end: i64| end as usize * uavs / lines as usize;
-            let (low, high) = (line * along / lines, (line + 1) * along / lines);
-            let near_first = (start - low).abs() <= (start - (high - 1)).abs();
-            let length = high - low;
-            let stations = (0..strips * length)
-                .map(|station| {
-                    let (strip, step) = (station / length, station % length);
-                    let x = (across * (2 * strip + 1) / (2 * strips)).min(across - 1);
-                    if (strip % 2 == 0) == near_first {
-                        (x, low + step)
-                    } else {
-                        (x, high - 1 - step)
-                    }
-                })
-                .collect();
-            let count = (share(line + 1) - share(line)) as i64;
-            let places = (0..count)
-                .map(|k| {
-                    let twice = (2 * k - (count - 1)) * across * thirds;
-                    twice.div_euclid(2 * i64::from(THIRDS) * strips * count)
-                })
-                .collect();
-            Rank {
-                first: share(line),
-                places,
-                stations,
-                next: 0,
-                forward: true,
-            }
-        })
-        .collect()
-}
-
 /// Returns the trajectories of every formation, sensing at a level.
 pub(crate) fn sweeps(problem: &Problem<'_>, level: u8) -> Vec<Paths> {
-    let (across, along, _) = extents(problem);
-    let uavs = problem.situation.cells.len() as i64;
-    let lines_max = i64::from(MOST).min(uavs).min(along);
-    let strips_max = i64::from(MOST).min(across);
-    let mut sweeps = Vec::new();
-    for lines in 1..=lines_max {
-        for strips in 1..=strips_max {
-            for thirds in 0..=i64::from(THIRDS) {
-                let mut rows = rows(problem, lines, strips, thirds);
-                let mut recorder = Recorder::new(problem, level);
-                let mut targets: Vec<Cell> = problem.situation.cells.clone();
-                while !recorder.is_full() {
-                    for row in &mut rows {
-                        row.advance(&recorder);
-                        for index in 0..row.places.len() {
-                            targets[row.first + index] = row.place(problem, index);
-                        }
-                    }
-                    recorder.fly(|uav| targets[uav]);
+    let config = problem.model.config();
+    let cells = &problem.situation.cells;
+    let start = cells.first().copied().unwrap_or_default();
+    let formations = Formation::all(config, cells.len());
+    let recorded = formations.map(|formation| {
+        let mut ranks: Vec<Rank> = formation.ranks(config, start, cells.len()).collect();
+        let mut recorder = Recorder::new(problem, level);
+        let mut targets: Vec<Cell> = cells.clone();
+        while !recorder.is_full() {
+            for rank in &mut ranks {
+                rank.advance(|uav| Some(recorder.cell(uav)));
+                for (index, uav) in rank.uavs().enumerate() {
+                    targets[uav] = rank.place(index);
                 }
-                sweeps.push(recorder.finish());
             }
+            recorder.fly(|uav| targets[uav]);
         }
-    }
-    sweeps
+        recorder.finish()
+    });
+    recorded.collect()
 }
 
 /// Returns trajectories that leave others after a step: the planned UAVs then fly to the meeting

@@ -66,7 +66,6 @@ pub use error::PlanError;
 #[cfg(feature = "file")]
 pub use file::{FORMAT, PlanFile, PlanFileError, READ_BYTES_MAX, Trajectory};
 pub use follow::Follower;
-pub use gather::meeting_cell;
 pub use memory::{check_available, memory_bound};
 pub use objective::{Expectation, expect};
 pub use odds::Odds;

@@ -15,6 +15,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use jcas_core::Cell;
+use jcas_policy::geometry::one_more;
 
 use crate::gather::connected;
 use crate::paths::Paths;
@@ -142,14 +143,6 @@ pub(crate) fn fewer_than(count: usize, chances: impl Iterator<Item = f64>) -> f6
 /// q is the chance that a quorum of some UAVs detects a hotspot, each with probability p.
 pub(crate) fn hazard(quorum: usize, uavs: usize, p: f64) -> f64 {
     -libm::log(fewer_than(quorum, core::iter::repeat_n(p, uavs)).max(1e-12))
-}
-
-/// Adds an event to the chances that exactly k events happen, for each k of the slice.
-pub(crate) fn one_more(exactly: &mut [f64], p: f64) {
-    for k in (1..exactly.len()).rev() {
-        exactly[k] = exactly[k] * (1.0 - p) + exactly[k - 1] * p;
-    }
-    exactly[0] *= 1.0 - p;
 }
 
 /// Returns F: the probability that every hotspot is confirmed.

@@ -12,6 +12,7 @@ pub mod baselines;
 pub use baselines::*;
 mod charge;
 pub use charge::stays_to_charge;
+pub mod geometry;
 pub mod head;
 pub mod memory;
 pub use memory::{MemoryError, MemoryReader};

@@ -153,7 +153,7 @@ impl Steering for Answer {
         }
         let called_to = &self.called_to;
         let away = |uav: usize| called_to[uav].is_some();
-        self.lines.steer_without(model, state, away, motions);
+        self.lines.steer_without(state, away, motions);
         for (uav, called_to) in called_to.iter().enumerate() {
             if let Some(index) = *called_to {
                 motions[uav] = toward(state.cell(uav), cell_of(model, index));

@@ -1,20 +1,15 @@
 //! `line`: lines abreast that sweep the grid, in the formation with the least expected time to
 //! confirm all.
 
-use core::ops::Range;
-
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
 
-use super::memory::{OutOfMemory, collect, filled, push};
+use super::memory::{OutOfMemory, collect, filled};
 use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly};
+use crate::geometry::{Formation, Rank, one_more};
 use crate::{MemoryError, MemoryReader};
 
-/// The maximum number of lines, and of strips that a line sweeps one after the other.
-const MOST: u32 = 4;
-/// The maximum spread of a line, in thirds of the width of its strip. A spread of 0 is a flock.
-const THIRDS: u32 = 3;
 /// The number of steps over which a formation is evaluated.
 const STEPS: usize = 60;
 /// The maximum number of cells along each axis at which a formation is evaluated.
@@ -31,28 +26,9 @@ const SAMPLES: u32 = 12;
 pub struct Line {
     pilot: PilotMode,
     chosen: Option<(u64, Formation)>,
-    rows: Vec<FlightLine>,
+    ranks: Vec<Rank>,
     /// The cell of each UAV that can fly.
     cells: Vec<Option<Cell>>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Formation {
-    lines: u32,
-    strips: u32,
-    thirds: u32,
-}
-
-/// A line with its stations, and the place of each of its UAVs at them.
-#[derive(Clone, Debug)]
-struct FlightLine {
-    uavs: Range<usize>,
-    /// Offset of each UAV from the station, across the sweep, in cells.
-    places: Vec<i64>,
-    /// The stations as (across, along), in cells.
-    stations: Vec<(i64, i64)>,
-    next: usize,
-    forward: bool,
 }
 
 impl Line {
@@ -62,7 +38,7 @@ impl Line {
         Self {
             pilot,
             chosen: None,
-            rows: Vec::new(),
+            ranks: Vec::new(),
             cells: Vec::new(),
         }
     }
@@ -79,7 +55,7 @@ impl Line {
             _ => choose(model, self.pilot.sensing_density(model), seers)?,
         };
         self.chosen = Some((model.config_hash(), formation));
-        self.rows = rows(model, formation)?;
+        self.ranks = collect(ranks(model, formation))?;
         self.cells = filled(None, model.uav_count())?;
         Ok(())
     }
@@ -87,7 +63,6 @@ impl Line {
     /// Steers the UAVs that are not away. The lines go on without the others.
     pub(super) fn steer_without(
         &mut self,
-        model: &Model<'_>,
         state: &StateRef<'_>,
         away: impl Fn(usize) -> bool,
         motions: &mut [Motion],
@@ -95,10 +70,10 @@ impl Line {
         for (uav, cell) in self.cells.iter_mut().enumerate() {
             *cell = (can_fly(state, uav) && !away(uav)).then(|| state.cell(uav));
         }
-        for row in &mut self.rows {
-            row.advance(model, &self.cells);
-            for (index, uav) in row.uavs.clone().enumerate() {
-                motions[uav] = toward(state.cell(uav), row.place(model, index));
+        for rank in &mut self.ranks {
+            rank.advance(|uav| self.cells[uav]);
+            for (index, uav) in rank.uavs().enumerate() {
+                motions[uav] = toward(state.cell(uav), rank.place(index));
             }
         }
     }
@@ -110,141 +85,49 @@ impl Steering for Line {
     }
 
     fn save(&self, write: &mut dyn FnMut(u64)) {
-        for row in &self.rows {
-            write(row.next as u64);
-            write(u64::from(row.forward));
+        for rank in &self.ranks {
+            let (station, forward) = rank.position();
+            write(station as u64);
+            write(u64::from(forward));
         }
     }
 
     fn load(&mut self, _: &Model<'_>, read: &mut MemoryReader<'_>) -> Result<(), MemoryError> {
-        for row in &mut self.rows {
-            row.next = read.index(row.stations.len())?;
-            row.forward = read.flag()?;
+        for rank in &mut self.ranks {
+            rank.set_position(read.index(rank.stations())?, read.flag()?);
         }
         Ok(())
     }
 
     fn steer(
         &mut self,
-        model: &Model<'_>,
+        _: &Model<'_>,
         state: &StateRef<'_>,
         motions: &mut [Motion],
     ) -> Result<(), OutOfMemory> {
-        self.steer_without(model, state, |_| false, motions);
+        self.steer_without(state, |_| false, motions);
         Ok(())
     }
 }
 
-/// Returns the width across the sweep, the length along it, and whether x runs along it.
-fn extents(model: &Model<'_>) -> (i64, i64, bool) {
-    let (w, h) = (model.config().grid_width, model.config().grid_height);
-    (i64::from(w.min(h)), i64::from(w.max(h)), w > h)
-}
-
-fn rows(model: &Model<'_>, formation: Formation) -> Result<Vec<FlightLine>, OutOfMemory> {
-    let (across, along, transposed) = extents(model);
-    let depot = model.depots()[0];
-    let start = i64::from(if transposed { depot.x } else { depot.y });
-    let (lines, uavs) = (i64::from(formation.lines), model.uav_count());
-    let strips = i64::from(formation.strips);
-    let mut rows = Vec::new();
-    for line in 0..lines {
-        let share = |end: i64| (end as usize) * uavs / formation.lines as usize;
-        let uavs = share(line)..share(line + 1);
-        let band = line * along / lines..(line + 1) * along / lines;
-        // The sweep begins at the end of the band that is nearer to the start of the fleet.
-        let near_first = (start - band.start).abs() <= (start - (band.end - 1)).abs();
-        let length = band.end - band.start;
-        let stations = collect((0..strips * length).map(|station| {
-            let (strip, step) = (station / length, station % length);
-            let x = (across * (2 * strip + 1) / (2 * strips)).min(across - 1);
-            if (strip % 2 == 0) == near_first {
-                (x, band.start + step)
-            } else {
-                (x, band.end - 1 - step)
-            }
-        }))?;
-        let count = uavs.len() as i64;
-        let spread = across * i64::from(formation.thirds);
-        let places = collect((0..count).map(|k| {
-            let twice = (2 * k - (count - 1)) * spread;
-            twice.div_euclid(2 * i64::from(THIRDS) * strips * count)
-        }))?;
-        let row = FlightLine {
-            uavs,
-            places,
-            stations,
-            next: 0,
-            forward: true,
-        };
-        push(&mut rows, row)?;
-    }
-    Ok(rows)
-}
-
-impl FlightLine {
-    /// Returns the cell of a UAV of the line at its present station.
-    fn place(&self, model: &Model<'_>, index: usize) -> Cell {
-        let (across, _, transposed) = extents(model);
-        let (x, y) = self.stations[self.next];
-        let x = (x + self.places[index]).clamp(0, across - 1) as u32;
-        let y = y as u32;
-        if transposed {
-            Cell { x: y, y: x }
-        } else {
-            Cell { x, y }
-        }
-    }
-
-    /// Advances to the next station once most of the UAVs that can fly are in place, and turns back
-    /// at the end.
-    fn advance(&mut self, model: &Model<'_>, cells: &[Option<Cell>]) {
-        let last = self.stations.len() - 1;
-        let mut flying = 0;
-        let mut arrived = 0;
-        for (index, uav) in self.uavs.clone().enumerate() {
-            if let Some(cell) = cells[uav] {
-                flying += 1;
-                arrived += usize::from(cell == self.place(model, index));
-            }
-        }
-        if flying == 0 || 2 * arrived <= flying || last == 0 {
-            return;
-        }
-        if self.next == if self.forward { last } else { 0 } {
-            self.forward = !self.forward;
-        }
-        self.next = if self.forward {
-            self.next + 1
-        } else {
-            self.next - 1
-        };
-    }
+/// Returns the lines of a formation at the first depot.
+fn ranks(model: &Model<'_>, formation: Formation) -> impl Iterator<Item = Rank> + use<> {
+    formation.ranks(model.config(), model.depots()[0], model.uav_count())
 }
 
 /// Returns the formation with the least expected time to see all hotspots, and the simplest one
 /// among equals.
 fn choose(model: &Model<'_>, density: f64, seers: u32) -> Result<Formation, OutOfMemory> {
-    let (across, along, _) = extents(model);
     let mut best = Formation {
         lines: 1,
         strips: 1,
         thirds: 0,
     };
     let mut least = f64::INFINITY;
-    for lines in 1..=MOST.min(model.uav_count() as u32).min(along as u32) {
-        for strips in 1..=MOST.min(across as u32) {
-            for thirds in 0..=THIRDS {
-                let formation = Formation {
-                    lines,
-                    strips,
-                    thirds,
-                };
-                let steps = expected_steps(model, density, seers, formation)?;
-                if steps < least {
-                    (best, least) = (formation, steps);
-                }
-            }
+    for formation in Formation::all(model.config(), model.uav_count()) {
+        let steps = expected_steps(model, density, seers, formation)?;
+        if steps < least {
+            (best, least) = (formation, steps);
         }
     }
     Ok(best)
@@ -263,7 +146,7 @@ fn expected_steps(
     formation: Formation,
 ) -> Result<f64, OutOfMemory> {
     let (config, uavs) = (model.config(), model.uav_count());
-    let mut rows = rows(model, formation)?;
+    let mut ranks = collect(ranks(model, formation))?;
     let mut cells = filled(Some(model.depots()[0]), uavs)?;
     let sampled = collect(sample(config.grid_width, config.grid_height))?;
     let detection = Detection::new(model, density)?;
@@ -273,11 +156,11 @@ fn expected_steps(
     for _ in 0..STEPS {
         let mean = missed.iter().sum::<f64>() / missed.len() as f64;
         expected += 1.0 - libm::pow(1.0 - mean, f64::from(config.hotspot_count));
-        for row in &mut rows {
-            row.advance(model, &cells);
-            for (index, uav) in row.uavs.clone().enumerate() {
+        for rank in &mut ranks {
+            rank.advance(|uav| cells[uav]);
+            for (index, uav) in rank.uavs().enumerate() {
                 if let Some(cell) = &mut cells[uav] {
-                    let motion = toward(*cell, row.place(model, index));
+                    let motion = toward(*cell, rank.place(index));
                     *cell = jcas_core::motion::destination(
                         *cell,
                         motion,
@@ -338,11 +221,7 @@ fn below_quorum(
     exactly.fill(0.0);
     exactly[0] = 1.0;
     for cell in uavs.iter().flatten() {
-        let p = detection.probability(*cell, hotspot);
-        for k in (1..exactly.len()).rev() {
-            exactly[k] = exactly[k] * (1.0 - p) + exactly[k - 1] * p;
-        }
-        exactly[0] *= 1.0 - p;
+        one_more(exactly, detection.probability(*cell, hotspot));
     }
     exactly.iter().sum()
 }
@@ -379,37 +258,5 @@ mod tests {
         assert!(choose(&Model::new(strong).unwrap(), 0.3, 3).unwrap().thirds > 0);
         let flock = choose(&Model::new(weak).unwrap(), 0.3, 3).unwrap();
         assert_eq!((flock.lines, flock.thirds), (1, 0));
-    }
-
-    #[test]
-    fn every_place_of_every_formation_is_on_the_grid() {
-        for (width, height, uavs) in [(12, 12, 5), (1, 7, 3), (30, 2, 20)] {
-            let config = Config {
-                grid_width: width,
-                grid_height: height,
-                uav_count: uavs,
-                hotspot_count: 1,
-                ..Config::default()
-            };
-            let model = Model::new(config).unwrap();
-            for lines in 1..=MOST.min(width.max(height)).min(uavs) {
-                for strips in 1..=MOST.min(width.min(height)) {
-                    let formation = Formation {
-                        lines,
-                        strips,
-                        thirds: THIRDS,
-                    };
-                    for mut row in rows(&model, formation).unwrap() {
-                        for next in 0..row.stations.len() {
-                            row.next = next;
-                            for index in 0..row.uavs.len() {
-                                let cell = row.place(&model, index);
-                                assert!(cell.x < width && cell.y < height);
-                            }
-                        }
-                    }
-                }
-            }
-        }
     }
 }

@@ -3,11 +3,11 @@
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
 
-use super::gather::manhattan_centre;
 use super::memory::{OutOfMemory, collect, filled, push};
 use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly};
 use super::teams::{Effort, divide, load_target, save_target};
+use crate::geometry::meeting_cell;
 use crate::memory::save_index;
 use crate::{MemoryError, MemoryReader};
 
@@ -138,8 +138,9 @@ impl Squads {
     ) -> Result<SquadPlan, OutOfMemory> {
         let mut squad = SquadPlan::new(model.uav_count(), known)?;
         if squad.known.iter().all(|known| *known) {
-            let hotspots = || (0..model.hotspot_count()).map(|hotspot| state.hotspot_cell(hotspot));
-            let centre = manhattan_centre(model, hotspots);
+            let hotspots = (0..model.hotspot_count()).map(|hotspot| state.hotspot_cell(hotspot));
+            let config = model.config();
+            let centre = meeting_cell(hotspots, config.grid_width, config.grid_height);
             for &uav in members {
                 squad.target_of_uav[uav] = Some(centre);
             }
