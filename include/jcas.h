@@ -846,10 +846,11 @@ typedef struct jcas_batch_out {
     size_t uav_reward_count;
 } jcas_batch_out;
 
-/// A function of the caller that hears of the progress of an annealing. `iterations` counts the
-/// moves tried so far; `best_steps` is the expected time of the best plan so far. `context` is the
-/// pointer from jcas_plan_settings. It returns 0 to go on; another value ends the annealing early,
-/// with the best plan so far.
+/// A function of the caller that hears of the progress of a planning. `iterations` counts the moves
+/// tried so far; it is 0 while initial trajectories are evaluated. `best_steps` is the expected
+/// time of the best plan so far, infinite before the first one. `context` is the pointer from
+/// jcas_plan_settings. It returns 0 to go on; another value ends the planning early, with the best
+/// plan so far.
 typedef int32_t (*jcas_plan_progress)(uint64_t iterations, double best_steps, void *context);
 
 /// The length and the seed of an annealing. A plan depends on them and on the configuration only,
@@ -2033,7 +2034,7 @@ jcas_status jcas_policy_load(const struct jcas_model *model,
 /// max, adaptive or a density such as 0.15; NULL means adaptive. A plan has its own densities.
 /// `policy`: not NULL; receives the handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT
 /// means that the name is unknown, or that the baseline needs positions that the model hides. It
-/// also means that the fleet or the grid is too large for a plan.
+/// also means that the fleet, the grid or the mission is too large for a plan.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
 JCAS_API
@@ -2182,8 +2183,8 @@ JCAS_API jcas_status jcas_policy_forget(struct jcas_policy *policy);
 /// likely as any other. The annealing runs on this thread. jcas_plan_free ends the plan.
 ///
 /// `model`, `settings`, `plan`: not NULL; settings->struct_size set. `plan` receives the handle.
-/// `message`: see the rules below. JCAS_ERROR_ARGUMENT means that the fleet or the grid is too
-/// large for a plan, or that `reserved` is not 0.
+/// `message`: see the rules below. JCAS_ERROR_ARGUMENT means that the fleet, the grid, the number
+/// of hotspots or the horizon is too large for a plan, or that `reserved` is not 0.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT, RESOURCES.
 JCAS_API

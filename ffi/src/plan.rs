@@ -29,10 +29,11 @@ use crate::status::{
 /// and it outlives its model.
 pub struct jcas_plan(());
 
-/// A function of the caller that hears of the progress of an annealing. `iterations` counts the
-/// moves tried so far; `best_steps` is the expected time of the best plan so far. `context` is the
-/// pointer from jcas_plan_settings. It returns 0 to go on; another value ends the annealing early,
-/// with the best plan so far.
+/// A function of the caller that hears of the progress of a planning. `iterations` counts the moves
+/// tried so far; it is 0 while initial trajectories are evaluated. `best_steps` is the expected
+/// time of the best plan so far, infinite before the first one. `context` is the pointer from
+/// jcas_plan_settings. It returns 0 to go on; another value ends the planning early, with the best
+/// plan so far.
 pub type jcas_plan_progress =
     Option<unsafe extern "C" fn(iterations: u64, best_steps: f64, context: *mut c_void) -> i32>;
 
@@ -162,8 +163,8 @@ unsafe fn make(
 /// likely as any other. The annealing runs on this thread. jcas_plan_free ends the plan.
 ///
 /// `model`, `settings`, `plan`: not NULL; settings->struct_size set. `plan` receives the handle.
-/// `message`: see the rules below. JCAS_ERROR_ARGUMENT means that the fleet or the grid is too
-/// large for a plan, or that `reserved` is not 0.
+/// `message`: see the rules below. JCAS_ERROR_ARGUMENT means that the fleet, the grid, the number
+/// of hotspots or the horizon is too large for a plan, or that `reserved` is not 0.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT, RESOURCES.
 #[must_use]

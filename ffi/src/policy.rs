@@ -191,7 +191,7 @@ unsafe fn build(
 /// max, adaptive or a density such as 0.15; NULL means adaptive. A plan has its own densities.
 /// `policy`: not NULL; receives the handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT
 /// means that the name is unknown, or that the baseline needs positions that the model hides. It
-/// also means that the fleet or the grid is too large for a plan.
+/// also means that the fleet, the grid or the mission is too large for a plan.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
 #[must_use]

@@ -1,8 +1,8 @@
 //! What the members of a radio component may infer about hidden hotspots.
 //!
 //! The members know where each of them was in each step, and at which pilot density it sensed. They
-//! also know their reports, and each other UAV's looks up to the last contact with it. No hotspot
-//! that they look for has been confirmed by these looks.
+//! also know their reports, and each other UAV's observations up to the last contact with it. No
+//! hotspot that they search for has been confirmed by these observations.
 //!
 //! Let λ_c be the probability of all this if cell c holds a hotspot, divided by that if it does
 //! not. Cells are independent once it is given which of them hold hotspots. So a set S of n
@@ -37,18 +37,18 @@ const SCALE_MAX: f64 = 1000.0;
 
 /// Where a UAV was in a step, and the level at which it sensed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Look {
+pub(crate) struct Observation {
     pub(crate) cell: Cell,
     pub(crate) level: u8,
 }
 
-/// The looks of a UAV, step by step, as the members of a component know them.
+/// The observations of a UAV, step by step, as the members of a component know them.
 #[derive(Clone, Debug)]
-pub(crate) struct Looks<'l> {
-    /// Looks whose sightings the members have been told.
-    pub(crate) heard: &'l [Look],
-    /// Looks since then that the members only assume.
-    pub(crate) assumed: &'l [Look],
+pub(crate) struct Observations<'l> {
+    /// Observations that the members have received.
+    pub(crate) received: &'l [Observation],
+    /// Observations since then that the members only assume.
+    pub(crate) assumed: &'l [Observation],
 }
 
 /// Probabilities of what is known about a cell.
@@ -68,7 +68,7 @@ pub(crate) fn chances(
     state: &StateRef<'_>,
     member: usize,
     known: &[bool],
-    looks: &[Looks<'_>],
+    observations: &[Observations<'_>],
 ) -> Vec<f64> {
     let config = model.config();
     let odds = Odds::new(model, Vec::new());
@@ -82,27 +82,32 @@ pub(crate) fn chances(
         .clone()
         .map(|index| {
             let (cell, level) = (odds.cell(index), state.report_level(member, index as usize));
-            (!taken.contains(&cell)).then(|| likelihood(model, &odds, cell, level, looks))
+            (!taken.contains(&cell)).then(|| likelihood(model, &odds, cell, level, observations))
         })
         .collect();
     let left = known.iter().filter(|known| !**known).count();
     let mut chances = among(&likelihoods, left);
     for (chance, index) in chances.iter_mut().zip(cells) {
-        *chance *= missed_unheard(model, &odds, odds.cell(index), looks);
+        *chance *= missed_since(model, &odds, odds.cell(index), observations);
     }
     chances
 }
 
-/// Returns the probabilities of the looks that the members have been told, and of a report's level.
+/// Returns the probabilities of the observations that the members have received, and of a report's
+/// level.
 fn likelihood(
     model: &Model<'_>,
     odds: &Odds,
     cell: Cell,
     level: u32,
-    looks: &[Looks<'_>],
+    observations: &[Observations<'_>],
 ) -> Likelihood {
-    let heard = || looks.iter().map(|looks| looks.heard);
-    let missed = missed(model, odds, cell, heard());
+    let received = || {
+        observations
+            .iter()
+            .map(|observations| observations.received)
+    };
+    let missed = missed(model, odds, cell, received());
     let levels = model.config().report_levels as usize;
     if levels == 0 {
         return Likelihood {
@@ -111,14 +116,17 @@ fn likelihood(
         };
     }
     let level = level as usize;
-    let seen = at_most(heard(), levels, |look| {
-        odds.detection(look.level, look.cell, cell)
+    let seen = at_most(received(), levels, |observation| {
+        odds.detection(observation.level, observation.cell, cell)
     });
-    let raised = at_most(heard(), levels, |look| {
-        if look.level == odds.grounded() {
+    let raised = at_most(received(), levels, |observation| {
+        if observation.level == odds.grounded() {
             return 0.0;
         }
-        let (dx, dy) = (look.cell.x.abs_diff(cell.x), look.cell.y.abs_diff(cell.y));
+        let (dx, dy) = (
+            observation.cell.x.abs_diff(cell.x),
+            observation.cell.y.abs_diff(cell.y),
+        );
         model.false_alarm_probability(dx, dy)
     });
     if level == 0 {
@@ -142,17 +150,17 @@ fn likelihood(
 /// Returns C(ℓ) for each ℓ up to the number of levels: the chance that no UAV has seen a hotspot in
 /// more than ℓ steps. The highest level stands for any number of steps.
 fn at_most<'l>(
-    looks: impl Iterator<Item = &'l [Look]>,
+    observations: impl Iterator<Item = &'l [Observation]>,
     levels: usize,
-    chance: impl Fn(&Look) -> f64,
+    chance: impl Fn(&Observation) -> f64,
 ) -> Vec<f64> {
     let mut most = vec![1.0; levels + 1];
     let mut exactly = vec![0.0; levels];
-    for looks in looks {
+    for observations in observations {
         exactly.fill(0.0);
         exactly[0] = 1.0;
-        for look in looks {
-            one_more(&mut exactly, chance(look));
+        for observation in observations {
+            one_more(&mut exactly, chance(observation));
         }
         let mut below = 0.0;
         for (most, exactly) in most.iter_mut().zip(&exactly) {
@@ -163,41 +171,54 @@ fn at_most<'l>(
     most
 }
 
-/// Returns M: the chance that no step of these looks had a quorum of detections of a hotspot.
+/// Returns M: the chance that no step of these observations had a quorum of detections of a
+/// hotspot.
 fn missed<'l>(
     model: &Model<'_>,
     odds: &Odds,
     hotspot: Cell,
-    looks: impl Iterator<Item = &'l [Look]> + Clone,
+    observations: impl Iterator<Item = &'l [Observation]> + Clone,
 ) -> f64 {
     let quorum = model.config().quorum as usize;
-    let steps = looks.clone().map(<[Look]>::len).max().unwrap_or(0);
+    let steps = observations
+        .clone()
+        .map(<[Observation]>::len)
+        .max()
+        .unwrap_or(0);
     let in_step = |step: usize| {
-        let chances = looks.clone().filter_map(move |looks| looks.get(step));
-        chances.map(|look| odds.detection(look.level, look.cell, hotspot))
+        let chances = observations
+            .clone()
+            .filter_map(move |observations| observations.get(step));
+        chances.map(|observation| odds.detection(observation.level, observation.cell, hotspot))
     };
     (0..steps)
         .map(|step| fewer_than(quorum, in_step(step)))
         .product()
 }
 
-/// Returns the chance that the assumed looks have not confirmed a hotspot. UAVs out of contact are
-/// taken to confirm among themselves.
-fn missed_unheard(model: &Model<'_>, odds: &Odds, hotspot: Cell, looks: &[Looks<'_>]) -> f64 {
-    // All assumed looks end now, so they are compared from their ends.
+/// Returns the chance that the assumed observations have not confirmed a hotspot. UAVs out of
+/// contact are taken to confirm among themselves.
+fn missed_since(
+    model: &Model<'_>,
+    odds: &Odds,
+    hotspot: Cell,
+    observations: &[Observations<'_>],
+) -> f64 {
+    // All assumed observations end now, so they are compared from their ends.
     let quorum = model.config().quorum as usize;
-    let steps = looks
+    let steps = observations
         .iter()
-        .map(|looks| looks.assumed.len())
+        .map(|observations| observations.assumed.len())
         .max()
         .unwrap_or(0);
     (1..=steps)
         .map(|ago| {
-            let assumed = looks.iter().map(|looks| looks.assumed);
-            let now = assumed.filter_map(|looks| looks.get(looks.len().wrapping_sub(ago)));
+            let assumed = observations.iter().map(|observations| observations.assumed);
+            let now = assumed
+                .filter_map(|observations| observations.get(observations.len().wrapping_sub(ago)));
             fewer_than(
                 quorum,
-                now.map(|look| odds.detection(look.level, look.cell, hotspot)),
+                now.map(|observation| odds.detection(observation.level, observation.cell, hotspot)),
             )
         })
         .product()
@@ -272,7 +293,7 @@ mod tests {
     const HERE: Cell = Cell { x: 0, y: 0 };
     const THERE: Cell = Cell { x: 1, y: 1 };
 
-    /// Two UAVs on a grid of two by two cells with a false alarm in a tenth of the looks.
+    /// Two UAVs on a grid of two by two cells with a false alarm in a tenth of the observations.
     fn model(quorum: u32) -> Model<'static> {
         Model::new(Config {
             grid_width: 2,
@@ -289,25 +310,28 @@ mod tests {
     }
 
     /// What two UAVs flew in two steps, the first of them at the highest density.
-    fn flown(odds: &Odds) -> [[Look; 2]; 2] {
-        let look = |cell, level| Look { cell, level };
+    fn flown(odds: &Odds) -> [[Observation; 2]; 2] {
+        let observation = |cell, level| Observation { cell, level };
         let high = odds.highest();
         [
-            [look(HERE, high), look(Cell { x: 1, y: 0 }, high)],
-            [look(HERE, high - 1), look(THERE, 0)],
+            [
+                observation(HERE, high),
+                observation(Cell { x: 1, y: 0 }, high),
+            ],
+            [observation(HERE, high - 1), observation(THERE, 0)],
         ]
     }
 
-    fn heard<'l>(flown: &'l [[Look; 2]; 2]) -> Vec<Looks<'l>> {
-        let looks = flown.iter().map(|heard| Looks {
-            heard,
+    fn received<'l>(flown: &'l [[Observation; 2]; 2]) -> Vec<Observations<'l>> {
+        let observations = flown.iter().map(|received| Observations {
+            received,
             assumed: &[],
         });
-        looks.collect()
+        observations.collect()
     }
 
-    /// The probability of each level, by the sum over all outcomes of the four looks that have no
-    /// quorum.
+    /// The probability of each level, by the sum over all outcomes of the four observations that
+    /// have no quorum.
     fn levels(chances: [[f64; 2]; 2], quorum: u32) -> [f64; 3] {
         let mut sums = [0.0; 3];
         for outcome in 0u32..16 {
@@ -336,14 +360,17 @@ mod tests {
             let flown = flown(&odds);
             for cell in (0..4).map(|index| odds.cell(index)) {
                 let seen = levels(
-                    flown
-                        .map(|looks| looks.map(|look| odds.detection(look.level, look.cell, cell))),
+                    flown.map(|observations| {
+                        observations.map(|observation| {
+                            odds.detection(observation.level, observation.cell, cell)
+                        })
+                    }),
                     quorum,
                 );
                 let raised = levels(
-                    flown.map(|looks| {
-                        looks.map(|look| {
-                            if look.cell.manhattan(cell) < 2 {
+                    flown.map(|observations| {
+                        observations.map(|observation| {
+                            if observation.cell.manhattan(cell) < 2 {
                                 0.1
                             } else {
                                 0.0
@@ -353,7 +380,7 @@ mod tests {
                     3,
                 );
                 let got: Vec<Likelihood> = (0..3)
-                    .map(|level| likelihood(&model, &odds, cell, level, &heard(&flown)))
+                    .map(|level| likelihood(&model, &odds, cell, level, &received(&flown)))
                     .collect();
                 let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b} {got:?}");
                 for level in 0..3 {
@@ -425,30 +452,31 @@ mod tests {
         let odds = Odds::new(&model, Vec::new());
         let flown = flown(&odds);
         assert_eq!(
-            likelihood(&model, &odds, THERE, 1, &heard(&flown)).hotspot,
+            likelihood(&model, &odds, THERE, 1, &received(&flown)).hotspot,
             0.0
         );
     }
 
-    /// Looks that the members assume leave only what they have not confirmed.
+    /// Observations that the members assume leave only what they have not confirmed.
     #[test]
-    fn assumed_looks_count_from_now_on_back() {
+    fn assumed_observations_count_back_from_now() {
         let model = model(2);
         let odds = Odds::new(&model, Vec::new());
         let flown = flown(&odds);
-        let looks = [
-            Looks {
-                heard: &flown[0][..1],
+        let observations = [
+            Observations {
+                received: &flown[0][..1],
                 assumed: &flown[0][1..],
             },
-            Looks {
-                heard: &[],
+            Observations {
+                received: &[],
                 assumed: &flown[1],
             },
         ];
-        let p = |look: Look| odds.detection(look.level, look.cell, HERE);
+        let p =
+            |observation: Observation| odds.detection(observation.level, observation.cell, HERE);
         let expected = 1.0 - p(flown[0][1]) * p(flown[1][1]);
-        let got = missed_unheard(&model, &odds, HERE, &looks);
+        let got = missed_since(&model, &odds, HERE, &observations);
         assert!((got - expected).abs() < 1e-12, "{got} {expected}");
     }
 }

@@ -46,7 +46,7 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
     bound_while(problem, &mut |_| true)
 }
 
-/// Returns a lower bound as [`bound`] does. `go_on` is told the products of each step, and may end
+/// Returns a lower bound as [`bound`] does. `go_on` receives the products of each step, and may end
 /// the computation, which gives a lower bound too.
 pub(crate) fn bound_while(problem: &Problem<'_>, go_on: &mut dyn FnMut(usize) -> bool) -> f64 {
     let odds = &problem.odds;

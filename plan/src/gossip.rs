@@ -7,7 +7,7 @@ use jcas_core::{Model, StateRef};
 use jcas_policy::memory::save_cell;
 use jcas_policy::{MemoryError, MemoryReader};
 
-use crate::belief::{Look, Looks};
+use crate::belief::{Observation, Observations};
 
 /// The observations of all UAVs, step by step, and the share of them that each UAV has received.
 #[derive(Clone, Debug, Default)]
@@ -15,7 +15,7 @@ pub(crate) struct Gossip {
     /// The step from which on observations are recorded.
     since: u32,
     /// Where each UAV was in each step so far.
-    looks: Vec<Vec<Look>>,
+    observations: Vec<Vec<Observation>>,
     /// `received[i][k]`: the number of UAV k's observations that UAV i has received.
     received: Vec<Vec<usize>>,
 }
@@ -24,25 +24,25 @@ impl Gossip {
     /// Begins to record in a state.
     pub(crate) fn begin(&mut self, state: &StateRef<'_>) {
         self.since = state.t();
-        self.looks.clear();
+        self.observations.clear();
         self.received.clear();
     }
 
     /// Records where each UAV is in the step that has just ended. `densities` are those of the
     /// levels of a plan.
     pub(crate) fn record(&mut self, state: &StateRef<'_>, densities: &[f64]) {
-        self.looks.resize(state.uav_count(), Vec::new());
-        for (uav, looks) in self.looks.iter_mut().enumerate() {
+        self.observations.resize(state.uav_count(), Vec::new());
+        for (uav, observations) in self.observations.iter_mut().enumerate() {
             let level = if state.grounded(uav) {
                 densities.len().saturating_sub(1)
             } else {
                 nearest(densities, state.pilot_density(uav))
             };
-            let look = Look {
+            let observation = Observation {
                 cell: state.cell(uav),
                 level: level as u8,
             };
-            looks.resize(state.t().saturating_sub(self.since) as usize, look);
+            observations.resize(state.t().saturating_sub(self.since) as usize, observation);
         }
         self.received
             .resize(state.uav_count(), vec![0; state.uav_count()]);
@@ -57,7 +57,7 @@ impl Gossip {
             }
         }
         for &member in members {
-            received[member] = self.looks[member].len();
+            received[member] = self.observations[member].len();
         }
         for &member in members {
             self.received[member].clone_from(&received);
@@ -66,18 +66,22 @@ impl Gossip {
 
     /// Returns, for each UAV, the number of its observations that a UAV has not received.
     pub(crate) fn missing(&self, uav: usize) -> impl Iterator<Item = usize> {
-        let looks = self.looks.iter().zip(&self.received[uav]);
-        looks.map(|(looks, &received)| looks.len() - received)
+        let observations = self.observations.iter().zip(&self.received[uav]);
+        observations.map(|(observations, &received)| observations.len() - received)
     }
 
     /// Returns what a UAV knows about the observations of each one: those that it has received, and
     /// those that it assumes since then.
-    pub(crate) fn known_to<'l>(&'l self, uav: usize, assumed: &'l [Vec<Look>]) -> Vec<Looks<'l>> {
-        let looks = self.looks.iter().zip(&self.received[uav]);
-        looks
+    pub(crate) fn known_to<'l>(
+        &'l self,
+        uav: usize,
+        assumed: &'l [Vec<Observation>],
+    ) -> Vec<Observations<'l>> {
+        let observations = self.observations.iter().zip(&self.received[uav]);
+        observations
             .zip(assumed)
-            .map(|((looks, &received), assumed)| Looks {
-                heard: &looks[..received],
+            .map(|((observations, &received), assumed)| Observations {
+                received: &observations[..received],
                 assumed,
             })
             .collect()
@@ -85,7 +89,7 @@ impl Gossip {
 
     pub(crate) fn save(&self, write: &mut dyn FnMut(u64)) {
         write(u64::from(self.since));
-        save_lists(write, &self.looks);
+        save_lists(write, &self.observations);
         for received in &self.received {
             received.iter().for_each(|&count| write(count as u64));
         }
@@ -98,18 +102,18 @@ impl Gossip {
         levels: usize,
     ) -> Result<Self, MemoryError> {
         let since = read.below(u64::from(model.config().horizon_steps))? as u32;
-        let looks = load_lists(read, model, levels)?;
-        let mut received = Vec::with_capacity(looks.len());
-        for _ in 0..looks.len() {
-            let row: Result<Vec<usize>, MemoryError> = looks
+        let observations = load_lists(read, model, levels)?;
+        let mut received = Vec::with_capacity(observations.len());
+        for _ in 0..observations.len() {
+            let row: Result<Vec<usize>, MemoryError> = observations
                 .iter()
-                .map(|looks| read.index(looks.len() + 1))
+                .map(|observations| read.index(observations.len() + 1))
                 .collect();
             received.push(row?);
         }
         Ok(Self {
             since,
-            looks,
+            observations,
             received,
         })
     }
@@ -117,13 +121,13 @@ impl Gossip {
 
 /// Writes a list of observations for each UAV, each observation as one word for its cell and one
 /// for its level.
-pub(crate) fn save_lists(write: &mut dyn FnMut(u64), lists: &[Vec<Look>]) {
+pub(crate) fn save_lists(write: &mut dyn FnMut(u64), lists: &[Vec<Observation>]) {
     write(lists.len() as u64);
-    for looks in lists {
-        write(looks.len() as u64);
-        for look in looks {
-            save_cell(write, look.cell);
-            write(u64::from(look.level));
+    for observations in lists {
+        write(observations.len() as u64);
+        for observation in observations {
+            save_cell(write, observation.cell);
+            write(u64::from(observation.level));
         }
     }
 }
@@ -133,7 +137,7 @@ pub(crate) fn load_lists(
     read: &mut MemoryReader<'_>,
     model: &Model<'_>,
     levels: usize,
-) -> Result<Vec<Vec<Look>>, MemoryError> {
+) -> Result<Vec<Vec<Observation>>, MemoryError> {
     let count = read.count()?;
     if count != 0 && count != model.uav_count() {
         return Err(MemoryError::Corrupt);
@@ -144,14 +148,14 @@ pub(crate) fn load_lists(
         if length > model.config().horizon_steps as usize {
             return Err(MemoryError::Corrupt);
         }
-        let mut looks = Vec::with_capacity(length);
+        let mut observations = Vec::with_capacity(length);
         for _ in 0..length {
-            looks.push(Look {
+            observations.push(Observation {
                 cell: read.cell(model)?,
                 level: read.index(levels)? as u8,
             });
         }
-        lists.push(looks);
+        lists.push(observations);
     }
     Ok(lists)
 }

@@ -23,8 +23,8 @@ const SITE: u128 = 2 * WORD;
 const STEP: u128 = 5;
 /// Bytes of a change of the routes of teams.
 const CHANGE: u128 = 5 * WORD;
-/// Bytes of a look: its cell and its level.
-const LOOK: u128 = 12;
+/// Bytes of a observation: its cell and its level.
+const OBSERVATION: u128 = 12;
 /// Bytes of a step of a trajectory on file: cell, pilot density, and the text of both.
 const STEP_ON_FILE: u128 = 2 * WORD + GROWTH * 64;
 /// Bytes of a configuration as text, with the figures of a plan.
@@ -112,12 +112,12 @@ impl Demand {
             + 4 * self.uavs * STEP * self.steps
     }
 
-    /// The tables of `belief.rs`, and the looks that it reads. Those are the looks of each UAV, and
-    /// those that each component assumes, with as many components as starts.
+    /// The tables of `belief.rs`, and the observations that it reads. Those are the observations of
+    /// each UAV, and those that each component assumes, with as many components as starts.
     fn believing(&self, starts: u128) -> u128 {
         let tables = self.cells * (self.hotspots + 8) * WORD;
-        let told = self.uavs * self.uavs * WORD;
-        tables + told + (starts + GROWTH) * self.uavs * self.horizon * LOOK
+        let received = self.uavs * self.uavs * WORD;
+        tables + received + (starts + GROWTH) * self.uavs * self.horizon * OBSERVATION
     }
 
     /// A plan, its file and the text of it: `plan.rs`, `file.rs`.

@@ -43,7 +43,7 @@ pub fn expect(problem: &Problem<'_>, paths: &Paths) -> Expectation {
     expect_while(problem, paths, &mut |_| true).unwrap_or_default()
 }
 
-/// Returns the expected time of a plan. `go_on` is told the products of each step, and may end the
+/// Returns the expected time of a plan. `go_on` receives the products of each step, and may end the
 /// computation, which then has no result.
 pub(crate) fn expect_while(
     problem: &Problem<'_>,
@@ -61,12 +61,12 @@ pub(crate) fn expect_while(
         if 1.0 - ended < NEGLIGIBLE {
             break;
         }
-        let looks = if step as usize <= paths.steps() {
+        let detections = if step as usize <= paths.steps() {
             paths.uav_count() * sites.len()
         } else {
             0
         };
-        if !go_on(looks + problem.products()) {
+        if !go_on(detections + problem.products()) {
             return None;
         }
         expected.steps += 1.0 - ended;

@@ -24,11 +24,13 @@ use crate::view::View;
 /// A planner that plans before the first step, and anew in each radio component whose knowledge has
 /// changed.
 ///
-/// A component plans for its members by what they know. That is their own cells, charges and looks,
-/// the hotspots and the reports that they know, and the plan that they share with the others. It
-/// assumes that the others follow that plan. All members compute the same plan, bit by bit.
+/// A component plans for its members by what they know. That is their own cells, charges and
+/// observations, the hotspots and the reports that they know, and the plan that they share with the
+/// others. It assumes that the others follow that plan. All members compute the same plan, bit by
+/// bit.
 ///
-/// Hidden hotspots lie where the looks and the reports make them likely, as `belief.rs` says.
+/// Hidden hotspots lie where the observations and the reports make them likely, as `belief.rs`
+/// says.
 #[derive(Clone, Debug)]
 pub struct Replanner {
     settings: Settings,
@@ -265,8 +267,8 @@ impl Replanner {
             assumed = missing
                 .map(|(uav, count)| shared.assumed(state, uav, count))
                 .collect();
-            let looks = self.gossip.known_to(members[0], &assumed);
-            let chances = belief::chances(model, state, members[0], &known, &looks);
+            let observations = self.gossip.known_to(members[0], &assumed);
+            let chances = belief::chances(model, state, members[0], &known, &observations);
             Targets::each_cell(model, &chances)?
         } else {
             hotspots = hotspot_cells(state);
@@ -277,8 +279,8 @@ impl Replanner {
         let problem = Problem::new(model, &targets, situation)?
             .only(members)
             .together(shares_reports(model));
-        let flown = shared.flown(state);
-        let mut begin = vec![shared.plan.paths.after(flown, problem.steps())];
+        let elapsed = shared.elapsed(state);
+        let mut begin = vec![shared.plan.paths.after(elapsed, problem.steps())];
         if members.len() == state.uav_count() && !shared.hidden {
             begin.extend(starts(&problem));
         }
@@ -311,7 +313,7 @@ impl Replanner {
         actions: &mut [f32],
     ) {
         let view = &self.views[members[0]];
-        let step = view.flown(state) + 1;
+        let step = view.elapsed(state) + 1;
         for &uav in members {
             let target = view.plan.cell(uav, step);
             let density = view.plan.pilot_density(uav, step);

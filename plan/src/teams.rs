@@ -94,7 +94,7 @@ impl<'p, 'm> Teams<'p, 'm> {
 
     /// Returns routes over all hotspots, which are not shortened yet.
     fn nearest_first(&self) -> Routes {
-        let hazards = self.hazards.iter().map(|looks| looks[0]);
+        let hazards = self.hazards.iter().map(|by_offset| by_offset[0]);
         let waits = hazards.map(|hazard| COMPARED / hazard.max(f64::MIN_POSITIVE));
         let all = (0..self.problem.known.len()).collect();
         let waits: Vec<f64> = waits.collect();
@@ -154,7 +154,7 @@ impl<'p, 'm> Teams<'p, 'm> {
     }
 }
 
-/// A flight over the hotspots, in which the looks have their expected effect.
+/// A flight over the hotspots, in which detections have their expected effect.
 struct Flight {
     /// The cell of each team, and the cell that it flies to.
     cells: Vec<Cell>,
@@ -200,8 +200,8 @@ impl Flight {
             if *hazard >= self.enough {
                 continue;
             }
-            for (cell, looks) in self.cells.iter().zip(&teams.hazards) {
-                *hazard += looks[teams.problem.odds.offset(*cell, hotspot)];
+            for (cell, by_offset) in self.cells.iter().zip(&teams.hazards) {
+                *hazard += by_offset[teams.problem.odds.offset(*cell, hotspot)];
             }
             self.open -= usize::from(*hazard >= self.enough);
         }

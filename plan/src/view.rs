@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use jcas_core::{Cell, Model, StateRef, TargetVisibility};
 use jcas_policy::{MemoryError, MemoryReader};
 
-use crate::belief::Look;
+use crate::belief::Observation;
 use crate::gossip::{load_lists, save_lists};
 use crate::objective::Expectation;
 use crate::paths::Paths;
@@ -27,29 +27,34 @@ pub(crate) struct View {
     pub(crate) reports: Vec<u64>,
     /// Whether positions are hidden, so that the first plan serves all episodes.
     pub(crate) hidden: bool,
-    /// For each UAV, the looks from the last contact with it to the plan's beginning, as the plans
-    /// before had them. There are none before the first step.
-    pub(crate) assumed: Vec<Vec<Look>>,
+    /// For each UAV, the observations from the last contact with it to the plan's beginning, as the
+    /// plans before had them. There are none before the first step.
+    pub(crate) assumed: Vec<Vec<Observation>>,
 }
 
 impl View {
-    pub(crate) fn flown(&self, state: &StateRef<'_>) -> usize {
+    pub(crate) fn elapsed(&self, state: &StateRef<'_>) -> usize {
         state.t().saturating_sub(self.first_step) as usize
     }
 
     /// Returns the cell of a UAV in the plan now.
     pub(crate) fn cell(&self, state: &StateRef<'_>, uav: usize) -> Cell {
-        self.plan.cell(uav, self.flown(state))
+        self.plan.cell(uav, self.elapsed(state))
     }
 
-    /// Returns the last looks of a UAV, as the plans have them.
-    pub(crate) fn assumed(&self, state: &StateRef<'_>, uav: usize, count: usize) -> Vec<Look> {
-        let mut looks = self.assumed.get(uav).cloned().unwrap_or_default();
-        looks.extend((1..=self.flown(state)).map(|step| Look {
+    /// Returns the last observations of a UAV, as the plans have them.
+    pub(crate) fn assumed(
+        &self,
+        state: &StateRef<'_>,
+        uav: usize,
+        count: usize,
+    ) -> Vec<Observation> {
+        let mut observations = self.assumed.get(uav).cloned().unwrap_or_default();
+        observations.extend((1..=self.elapsed(state)).map(|step| Observation {
             cell: self.plan.cell(uav, step),
             level: self.plan.paths.level(uav, step),
         }));
-        looks.split_off(looks.len().saturating_sub(count))
+        observations.split_off(observations.len().saturating_sub(count))
     }
 
     /// Whether the members plan anew only if they know more than this.

@@ -1,4 +1,4 @@
-//! The chances that hotspots are missed, with all UAVs but one held.
+//! The chances that hotspots are missed, with all UAVs but one fixed.
 
 use super::Annealer;
 use crate::odds::LANES;
@@ -7,7 +7,7 @@ use crate::targets::Placement;
 
 impl Annealer<'_, '_> {
     /// Computes B and D of a step.
-    pub(super) fn hold_others(&mut self, step: usize) {
+    pub(super) fn fix_others(&mut self, step: usize) {
         let (odds, stride) = (&self.problem.odds, self.problem.odds.stride());
         let quorum = self.exactly.len();
         let span = step * stride..(step + 1) * stride;

@@ -1,4 +1,4 @@
-//! The radio components of the fleet, with all UAVs but one held.
+//! The radio components of the fleet, with all UAVs but one fixed.
 
 use super::Annealer;
 

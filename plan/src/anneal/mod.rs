@@ -1,6 +1,6 @@
 //! Simulated annealing of the trajectories, one UAV at a time.
 //!
-//! All UAVs but one are held. The chance that fewer than θ UAVs detect a hotspot is then B - p D,
+//! All UAVs but one are fixed. The chance that fewer than θ UAVs detect a hotspot is then B - p D,
 //! with p the chance that the one detects it. B is the chance that fewer than θ of the others do,
 //! and D that exactly θ - 1 do. Both are worked out once for a batch of moves of that UAV. A move
 //! costs a product for each site and each step from its first on, and no loop over the fleet.
@@ -216,7 +216,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         self.confirmed[0] = found(self.problem, &self.left[..stride]);
         let mut window = steps;
         for step in 1..=steps {
-            self.hold_others(step);
+            self.fix_others(step);
             self.look(step);
             self.find_parts(step);
             self.meet(step);

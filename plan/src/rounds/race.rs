@@ -126,7 +126,7 @@ impl<'p, 'm> Race<'p, 'm> {
             if step < now {
                 continue;
             }
-            self.tell(&mut runners);
+            self.share(&mut runners);
             let passed = step + 1 - now;
             let union = runners.iter().fold(0, |union, runner| union | runner.known);
             if union == all && confirmed.is_none() {
@@ -183,11 +183,11 @@ impl<'p, 'm> Race<'p, 'm> {
     }
 
     /// Lets linked teams share what they know, until nothing is new.
-    fn tell(&self, runners: &mut [Runner<'_>]) {
+    fn share(&self, runners: &mut [Runner<'_>]) {
         let odds = &self.problem.odds;
-        let mut told = true;
-        while told {
-            told = false;
+        let mut changed = true;
+        while changed {
+            changed = false;
             for a in 1..runners.len() {
                 let (before, rest) = runners.split_at_mut(a);
                 for other in before {
@@ -198,7 +198,7 @@ impl<'p, 'm> Race<'p, 'm> {
                     }
                     let here = (runner.cell, runner.level(odds, self.hotspots));
                     if odds.linked(here, (other.cell, other.level(odds, self.hotspots))) {
-                        (runner.known, other.known, told) = (union, union, true);
+                        (runner.known, other.known, changed) = (union, union, true);
                     }
                 }
             }

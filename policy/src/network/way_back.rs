@@ -1,4 +1,4 @@
-//! The way back: where a UAV that chooses in turn draws its motion.
+//! The way back: where a sequential policy draws a motion.
 //!
 //! A network reads no more than the present state. Its most likely motions could take a fleet that
 //! is undecided between two hotspots to and fro between two cells for ever.
@@ -6,17 +6,18 @@
 use jcas_core::action::motion;
 use jcas_core::{MotionMap, StateRef};
 
-/// Returns whether an action takes a UAV back to its cell before the last step, without news.
+/// Returns whether an action takes a UAV back to its cell before the last step, and no new
+/// confirmation permits that.
 ///
-/// News are a confirmation in that step of a hotspot that the UAV knows. A UAV that hovered in that
-/// step does not turn round.
+/// A confirmation in that step of a hotspot that the UAV knows permits the reversal. A UAV that
+/// hovered in that step does not reverse.
 pub fn turns_round(state: &StateRef<'_>, uav: usize, direction: f32, map: MotionMap) -> bool {
-    let news = |j: usize| state.knows(uav, j) && state.confirmed_at(j) == Some(state.t());
+    let confirmed_now = |j: usize| state.knows(uav, j) && state.confirmed_at(j) == Some(state.t());
     let (here, before) = (state.cell(uav), state.previous_cell(uav));
     let apart = |to: u32, from: u32| to as i32 - from as i32;
     let back = (apart(before.x, here.x), apart(before.y, here.y));
     let turns = motion(direction, map).offset() == back;
-    state.moved(uav) && turns && !(0..state.hotspot_count()).any(news)
+    state.moved(uav) && turns && !(0..state.hotspot_count()).any(confirmed_now)
 }
 
 #[cfg(test)]
