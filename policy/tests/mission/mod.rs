@@ -36,25 +36,19 @@ const fn mission(sizes: (u32, u32), seed: u64, mode: Mode, steps: u32, hash: u64
 
 /// All episodes.
 pub const MISSIONS: [Mission; 4] = [
-    mission(
-        (15, 7),
-        1,
-        Mode::Deterministic,
-        53,
-        5_362_212_974_326_572_308,
-    ),
-    mission((15, 7), 1, Mode::Sampled, 53, 17_737_320_634_244_567_336),
+    mission((15, 7), 1, Mode::Deterministic, 53, 867_825_128_256_658_207),
+    mission((15, 7), 1, Mode::Sampled, 53, 4_108_769_177_877_040_815),
     mission(
         (10, 3),
         2,
         Mode::Deterministic,
         21,
-        16_527_540_953_429_267_805,
+        3_824_906_232_816_408_337,
     ),
     // This policy reads a tag, which the runtime gives.
     Mission {
         preset: Preset::Paper,
-        ..mission((10, 11), 1, Mode::Sampled, 9, 10_968_047_600_675_777_921)
+        ..mission((10, 11), 1, Mode::Sampled, 9, 7_391_731_238_831_725_945)
     },
 ];
 
