@@ -5,7 +5,7 @@ use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
 use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontTransform, RGBAColor, ShapeStyle, TextStyle};
+use plotters::style::{RGBAColor, ShapeStyle, TextStyle};
 
 use super::font::font;
 use super::palette::{Colour, Marker, PAPER};
@@ -52,7 +52,6 @@ enum Shape {
         text: String,
         font: Type,
         align: Align,
-        upward: bool,
     },
 }
 
@@ -93,19 +92,6 @@ impl Canvas {
             text,
             font,
             align,
-            upward: false,
-        });
-    }
-
-    /// Adds a text that reads from bottom to top.
-    pub(super) fn upward_text(&mut self, at: Place, text: impl Into<String>, font: Type) {
-        let text = text.into();
-        self.shapes.push(Shape::Text {
-            at,
-            text,
-            font,
-            align: Align::Centre,
-            upward: true,
         });
     }
 
@@ -201,19 +187,13 @@ impl Canvas {
                     text,
                     font: kind,
                     align,
-                    upward,
                 } => {
                     let colour = rgba(kind.colour);
-                    let turned = font(kind.size * scale, kind.bold).transform(turn(*upward));
-                    let style = TextStyle::from(turned)
+                    let style = TextStyle::from(font(kind.size * scale, kind.bold))
                         .color(&colour)
                         .pos(Pos::new(horizontal(*align), VPos::Center));
                     let sunk = kind.size * sink;
-                    let at = if *upward {
-                        (at.0 + sunk, at.1)
-                    } else {
-                        (at.0, at.1 + sunk)
-                    };
+                    let at = (at.0, at.1 + sunk);
                     area.draw(&Text::new(text.clone(), pixel(at), style))?;
                 }
             }
@@ -227,14 +207,6 @@ fn horizontal(align: Align) -> HPos {
         Align::Left => HPos::Left,
         Align::Centre => HPos::Center,
         Align::Right => HPos::Right,
-    }
-}
-
-fn turn(upward: bool) -> FontTransform {
-    if upward {
-        FontTransform::Rotate270
-    } else {
-        FontTransform::None
     }
 }
 

@@ -2,7 +2,6 @@
 //!
 //! - [`Figure`]: series over a numeric or categorical axis, with bands or whiskers;
 //! - [`Panels`]: several figures side by side;
-//! - [`HeatTable`]: a table of numbers with a colour for each;
 //! - [`report`]: one HTML page of text, figures and tables.
 //!
 //! People with any colour vision can distinguish the colours. Each series also has its own marker
@@ -13,7 +12,6 @@
 mod canvas;
 mod chart;
 mod font;
-mod heat;
 mod legend;
 mod output;
 mod palette;
@@ -23,7 +21,6 @@ pub mod report;
 mod scale;
 mod style;
 
-pub use heat::HeatTable;
 pub use output::{Draw, FigureError};
 pub use panels::Panels;
 

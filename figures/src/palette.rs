@@ -70,25 +70,6 @@ pub(super) fn look(index: usize) -> (Colour, Marker, &'static [f64]) {
     )
 }
 
-/// A colour from light to dark blue; the argument is in [0, 1].
-pub(super) fn heat(share: f64) -> Colour {
-    const STOPS: [[f64; 3]; 5] = [
-        [247.0, 250.0, 253.0],
-        [200.0, 220.0, 240.0],
-        [115.0, 178.0, 216.0],
-        [35.0, 113.0, 180.0],
-        [8.0, 48.0, 107.0],
-    ];
-    let place = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
-    let stop = (place as usize).min(STOPS.len() - 2);
-    let part = place - stop as f64;
-    let channel = |k: usize| {
-        let (low, high) = (STOPS[stop][k], STOPS[stop + 1][k]);
-        (low + (high - low) * part).round() as u8
-    };
-    Colour(channel(0), channel(1), channel(2), 1.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,14 +91,5 @@ mod tests {
                 assert_ne!(look(i).1, look(k).1);
             }
         }
-    }
-
-    #[test]
-    fn heat_darkens_steadily() {
-        let brightness = |Colour(r, g, b, _): Colour| u32::from(r) + u32::from(g) + u32::from(b);
-        let steps: Vec<u32> = (0..=20)
-            .map(|k| brightness(heat(f64::from(k) / 20.0)))
-            .collect();
-        assert!(steps.is_sorted_by(|a, b| a > b), "{steps:?}");
     }
 }

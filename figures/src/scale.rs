@@ -185,18 +185,6 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
     format!("{}{grouped}{fraction}", if negative { "−" } else { "" })
 }
 
-/// Formats a number with as many decimals as show about three significant digits.
-pub(super) fn short_number(value: f64) -> String {
-    let size = value.abs();
-    let decimals = match size {
-        _ if size == 0.0 || size >= 100.0 => 0,
-        _ if size >= 10.0 => 1,
-        _ if size >= 1.0 => 2,
-        _ => 3,
-    };
-    number(value, decimals)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,7 +262,5 @@ mod tests {
         assert_eq!(number(-1234.5, 1), "−1234.5");
         assert_eq!(number(1_234_567.0, 0), "1\u{a0}234\u{a0}567");
         assert_eq!(number(-0.0001, 2), "0.00");
-        assert_eq!(short_number(0.1234), "0.123");
-        assert_eq!(short_number(56.78), "56.8");
     }
 }

@@ -1,7 +1,7 @@
 //! Figures show their data, are the same each time, and are written completely.
 
 use super::output::Draw;
-use super::{Axis, Figure, HeatTable, Interval, Mark, Panels, Point, Series, font, style};
+use super::{Axis, Figure, Interval, Mark, Panels, Point, Series};
 
 fn success() -> Figure {
     let series = |name: &str, rise: f64| {
@@ -20,18 +20,6 @@ fn success() -> Figure {
     .with(series("teams", 0.2))
     .with(series("<random>", 0.01))
     .reference(73.0, "paper")
-}
-
-fn table() -> HeatTable {
-    HeatTable {
-        title: "Success".into(),
-        note: String::new(),
-        value: Axis::new("Success", "%").span(0.0, 100.0),
-        columns: Axis::new("Hotspots n", "").categories(["3", "5"]),
-        rows: Axis::new("Fleet size N", "").categories(["5", "10"]),
-        cells: vec![vec![Some(57.0), Some(15.0)], vec![Some(100.0), None]],
-        decimals: Some(0),
-    }
 }
 
 fn every_kind() -> Vec<Box<dyn Draw>> {
@@ -99,7 +87,6 @@ fn every_kind() -> Vec<Box<dyn Draw>> {
         Box::new(bars),
         Box::new(scatter),
         Box::new(costs),
-        Box::new(table()),
         Box::new(panels),
     ]
 }
@@ -143,25 +130,8 @@ fn every_kind_is_drawn_the_same_each_time() {
 }
 
 #[test]
-fn captions_fit_beside_a_small_heat_table() {
-    let long = "a caption that is much longer than the one cell beside it";
-    let small = HeatTable {
-        columns: Axis::new(long, "").categories(["3"]),
-        rows: Axis::new(long, "").categories(["5"]),
-        cells: vec![vec![Some(57.0)]],
-        ..table()
-    };
-    let text = font::text_width(long, style::CAPTION.size, true);
-    let (width, height) = small.size();
-    assert!(f64::from(width) >= 2.0 * style::MARGIN + text);
-    assert!(f64::from(height) >= 66.0 + 52.0 + text);
-    // The cells have their least size where the texts fit.
-    assert_eq!(table().size(), (480, 66 + 52 + 2 * 40 + 46 + 10));
-}
-
-#[test]
 fn png_has_twice_the_pixels_and_is_not_blank() {
-    let figure = table();
+    let figure = success();
     let (width, height) = figure.size();
     let bytes = figure.png().unwrap();
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
@@ -215,14 +185,14 @@ fn files_appear_whole_and_errors_name_them() {
     std::fs::create_dir_all(&folder).unwrap();
     let (svg, png) = (folder.join("a.svg"), folder.join("a.png"));
     success().write_svg(&svg).unwrap();
-    table().write_png(&png).unwrap();
+    success().write_png(&png).unwrap();
     assert_eq!(
         std::fs::read_to_string(&svg).unwrap(),
         success().svg().unwrap()
     );
     assert_eq!(
         std::fs::read(&png).unwrap(),
-        table().png().unwrap(),
+        success().png().unwrap(),
         "the same bytes each time"
     );
     assert_eq!(
