@@ -140,7 +140,7 @@ mkdir "$work/bare"
 wheel=$(echo "$dist"/jcas-*manylinux2014_x86_64.whl)
 export PIP_DISABLE_PIP_VERSION_CHECK=1
 pip download --quiet --only-binary :all: --dest "$work/bare" "$wheel[policy]"
-cp -r examples/fly_policy.py policies/fleet "$work/bare"
+cp -r examples/fly_policy.py policies/mission "$work/bare"
 cat >"$work/bare/fly.sh" <<'END'
 set -euo pipefail
 for tool in cc gcc clang cargo rustc; do
@@ -148,6 +148,6 @@ for tool in cc gcc clang cargo rustc; do
 done
 python3 -m venv /tmp/venv
 /tmp/venv/bin/pip install --quiet --no-index --find-links /given 'jcas[policy]'
-/tmp/venv/bin/python /given/fly_policy.py /given/fleet --uavs 15 --hotspots 7 --episodes 20
+/tmp/venv/bin/python /given/fly_policy.py /given/mission --uavs 15 --hotspots 7 --episodes 20
 END
 .ci/bare_root.sh "$work/bare" bash /given/fly.sh

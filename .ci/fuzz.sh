@@ -25,7 +25,7 @@ target() {
     [[ $name != plan ]] || longest=16384
     local folders=("${FUZZ_CORPUS:-$found}/$name" "fuzz/corpus/$name")
     mkdir -p "${folders[0]}"
-    [[ $name != policy ]] || folders+=(policies/fleet)
+    [[ $name != policy ]] || folders+=(policies/mission)
     if ! "$built"/*/release/"$name" -max_total_time="$seconds" -max_len=$longest -timeout=20 \
         -artifact_prefix="$built/" -print_final_stats=1 "${folders[@]}" >"$log" 2>&1; then
         tail -n 40 "$log" >&2

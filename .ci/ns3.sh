@@ -8,6 +8,6 @@ prefix=$(.ci/cmake_install.sh)
 build=$CARGO_TARGET_DIR/ns3
 cmake -S examples/ns3 -B "$build" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
 cmake --build "$build" >/dev/null
-flown=$("$build/fleet" && "$build/fleet" --policy=policies/fleet/policy.safetensors)
+flown=$("$build/fleet" && "$build/fleet" --policy=policies/mission/policy.safetensors)
 echo "$flown"
 [[ $(grep -c ' complete ' <<<"$flown") == 4 ]]

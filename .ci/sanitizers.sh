@@ -31,7 +31,7 @@ $check tests/c/traces.c "$library" $SYSTEM -o "$out/traces"
 $check tests/c/plans.c "$library" $SYSTEM -o "$out/plans"
 "$out/abuse"
 "$out/replay" tests/golden/*.jsonl
-"$out/policies" policies/fleet/policy.safetensors >"$out/policies.txt"
+"$out/policies" policies/mission/policy.safetensors >"$out/policies.txt"
 "$out/traces" "$out" tests/golden/*.jsonl
 "$out/plans" >"$out/plans.txt"
 

@@ -1,7 +1,7 @@
 """Flies a trained policy and reports.
 
 pip install "./python[render]"
-python examples/fly_policy.py policies/fleet --uavs 15 --hotspots 7 --picture policy.png
+python examples/fly_policy.py policies/mission --uavs 15 --hotspots 7 --picture policy.png
 python examples/fly_policy.py policies/paper --uavs 20
 """
 

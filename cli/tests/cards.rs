@@ -10,7 +10,7 @@ use support::{jcas, succeed};
 
 /// A copy of the shipped policy that says it was trained on short missions of three UAVs.
 fn policy_of_short_missions(folder: &Path) {
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../policies/fleet");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../policies/mission");
     let target = folder.join("short");
     fs::create_dir(&target).unwrap();
     fs::copy(
@@ -23,6 +23,8 @@ fn policy_of_short_missions(folder: &Path) {
     for (field, value) in [("uav_count", 3), ("hotspot_count", 2), ("horizon_steps", 7)] {
         card["config"][field] = value.into();
     }
+    // The runtime numbers the UAVs where the configuration has no tag.
+    card["config"]["uav_tag"] = "off".into();
     fs::write(target.join("policy.json"), card.to_string()).unwrap();
 }
 
@@ -184,7 +186,7 @@ fn a_card_of_another_trainer_is_read() {
 #[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn a_trained_policy_flies_wherever_a_baseline_does() {
     let folder = tempfile::tempdir().unwrap();
-    let fleet = concat!(env!("CARGO_MANIFEST_DIR"), "/../policies/fleet");
+    let fleet = concat!(env!("CARGO_MANIFEST_DIR"), "/../policies/mission");
     let mission = ["--uavs=6", "--hotspots=2", "--seed=3"];
     let with = |arguments: &[&str]| succeed(folder.path(), &[arguments, &mission].concat());
 

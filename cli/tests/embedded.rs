@@ -45,7 +45,7 @@ fn example(folder: &Path) -> PathBuf {
 fn a_c_program_flies_the_shipped_fleet_as_the_command_does() {
     let folder = tempfile::tempdir().expect("a folder");
     let program = example(folder.path());
-    let trained = root().join("policies/fleet");
+    let trained = root().join("policies/mission");
     let file = trained.join("policy.safetensors");
     for (named, given) in [
         (trained.to_str(), file.to_str()),

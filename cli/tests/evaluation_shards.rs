@@ -146,7 +146,7 @@ fn shards_that_do_not_belong_together_are_refused() {
 #[test]
 fn a_policy_that_changed_between_shards_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../policies/fleet");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../policies/mission");
     fs::create_dir(folder.path().join("mine")).unwrap();
     for name in ["policy.json", "policy.safetensors"] {
         fs::copy(shipped.join(name), folder.path().join("mine").join(name)).unwrap();

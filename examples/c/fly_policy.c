@@ -4,7 +4,7 @@
  *
  *   libdir=$(pkg-config --variable=libdir jcas)
  *   cc fly_policy.c $(pkg-config --cflags --libs jcas) -Wl,-rpath,"$libdir"
- *   ./a.out policies/fleet/policy.safetensors
+ *   ./a.out policies/mission/policy.safetensors
  *
  * The argument may also name a baseline: random, untrained, greedy, teams, squads, line or answer.
  *

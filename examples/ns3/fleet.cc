@@ -9,7 +9,7 @@
 // over those of jcas's own link budget.
 //
 //     ./fleet [--policy=greedy] [--uavs=10] [--hotspots=4] [--seed=3] [--exponent=3]
-//     ./fleet --policy=../../policies/fleet/policy.safetensors --trace=flight.jsonl
+//     ./fleet --policy=../../policies/mission/policy.safetensors --trace=flight.jsonl
 //     ./fleet --preset=search --policy=line --uavs=15 --hotspots=7 --exponent=3.5
 //
 // With --trace the mission over Wi-Fi is recorded, with the positions and links that ns-3 supplied.

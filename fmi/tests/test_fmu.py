@@ -110,7 +110,7 @@ def test_two_units_in_one_process_do_not_know_of_each_other(unpacked):
     assert one.hash() != other.hash()
 
 
-@pytest.mark.parametrize("policy", ["", "teams", "random", "fleet"])
+@pytest.mark.parametrize("policy", ["", "teams", "random"])
 def test_a_state_that_is_kept_goes_on_alike(unpacked, policy):
     unit = Unit(unpacked, policy=policy, seed=2).begin()
     unit.step(7)

@@ -6,7 +6,7 @@ use jcas_policy::network::{FlyError, LoadError, Network};
 use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
 use proptest::prelude::*;
 
-const FLEET: &[u8] = include_bytes!("../../policies/fleet/policy.safetensors");
+const MISSION: &[u8] = include_bytes!("../../policies/mission/policy.safetensors");
 
 /// Returns a safetensors file of f32 arrays.
 fn file(metadata: &str, arrays: &[(&str, &[usize], Vec<f32>)]) -> Vec<u8> {
@@ -61,7 +61,7 @@ fn model(config: Config) -> Model<'static> {
 
 #[test]
 fn the_shipped_policy_is_read() {
-    let (network, weights) = load(FLEET).unwrap();
+    let (network, weights) = load(MISSION).unwrap();
     assert_eq!(network.head(), Head::Hybrid);
     assert_eq!(network.metadata().mode, Mode::Deterministic);
     let visibility = network.metadata().target_visibility;
@@ -79,20 +79,20 @@ fn the_shipped_policy_is_read() {
 
 #[test]
 fn a_file_cut_anywhere_is_refused() {
-    for end in (0..2000).chain((2000..FLEET.len()).step_by(997)) {
-        assert!(Network::read(&FLEET[..end]).is_err(), "{end}");
+    for end in (0..2000).chain((2000..MISSION.len()).step_by(997)) {
+        assert!(Network::read(&MISSION[..end]).is_err(), "{end}");
     }
-    let mut longer = FLEET.to_vec();
+    let mut longer = MISSION.to_vec();
     longer.push(0);
     assert!(Network::read(&longer).is_err());
 }
 
 #[test]
 fn memory_of_another_length_is_refused() {
-    let expected = Network::read(FLEET).unwrap().weights_len();
+    let expected = Network::read(MISSION).unwrap().weights_len();
     let got = expected - 1;
     assert_eq!(
-        Network::load(FLEET, &mut vec![0.0; got]),
+        Network::load(MISSION, &mut vec![0.0; got]),
         Err(LoadError::Memory { expected, got })
     );
 }
@@ -273,11 +273,11 @@ proptest! {
         edits in prop::collection::vec((0usize..2200, any::<u8>()), 1..4),
         cut in 0usize..40,
     ) {
-        let mut bytes = FLEET.to_vec();
+        let mut bytes = MISSION.to_vec();
         for (at, byte) in edits {
             bytes[at] = byte;
         }
-        bytes.truncate(FLEET.len() - cut);
+        bytes.truncate(MISSION.len() - cut);
         if let Ok((network, weights)) = load(&bytes) {
             prop_assert!(weights.iter().all(|weight| weight.is_finite()));
             let model = model(Config { uav_count: 2, hotspot_count: 1, ..Config::default() });

@@ -7,7 +7,7 @@ import pytest
 
 import jcas
 
-FLEET = Path(__file__).parents[2] / "policies" / "fleet"
+MISSION = Path(__file__).parents[2] / "policies" / "mission"
 
 
 def fly(policy: jcas.Policy, model: jcas.Model, seed: int) -> int:
@@ -21,26 +21,26 @@ def fly(policy: jcas.Policy, model: jcas.Model, seed: int) -> int:
 def test_the_shipped_policy_flies_any_fleet_and_repeats(uavs: int, hotspots: int) -> None:
     model = jcas.Model(uav_count=uavs, hotspot_count=hotspots)
     first, second = (
-        jcas.Policy.load(path, model) for path in (FLEET, FLEET / "policy.safetensors")
+        jcas.Policy.load(path, model) for path in (MISSION, MISSION / "policy.safetensors")
     )
-    assert first.name == second.name == "fleet"
+    assert first.name == second.name == "mission"
     assert fly(first, model, 3) == fly(second, model, 3)
 
 
 def test_a_mission_with_other_maps_is_refused() -> None:
     with pytest.raises(jcas.JcasError, match="reads 11 fields where this mission has 101"):
-        jcas.Policy.load(FLEET, jcas.Model("search"))
+        jcas.Policy.load(MISSION, jcas.Model("search"))
 
 
 def test_draws_follow_from_the_seed() -> None:
     model = jcas.Model(uav_count=5, hotspot_count=3)
-    policy = jcas.Policy.load(FLEET, model, mode="sampled")
+    policy = jcas.Policy.load(MISSION, model, mode="sampled")
     assert fly(policy, model, 8) == fly(policy, model, 8) != fly(policy, model, 9)
 
 
 def test_each_mode_flies_its_own_way() -> None:
     # A fleet that is sure of its way, as that of the preset mission is, may fly it in every mode.
-    folder, model = FLEET.parent / "paper", jcas.Model("paper", uav_count=5, hotspot_count=3)
+    folder, model = MISSION.parent / "paper", jcas.Model("paper", uav_count=5, hotspot_count=3)
 
     def flown(mode: jcas.flown.Mode) -> int:
         return fly(jcas.Policy.load(folder, model, mode=mode), model, 8)
@@ -91,7 +91,7 @@ def test_a_state_with_its_memory_has_the_same_future(name: str) -> None:
 
 def test_a_batch_is_acted_for_as_its_members() -> None:
     model = jcas.Model(uav_count=5, hotspot_count=3)
-    policy = jcas.Policy.load(FLEET, model)
+    policy = jcas.Policy.load(MISSION, model)
     batch = jcas.Batch(model, 3)
     buffers = jcas.BatchBuffers(model, 3)
     batch.reset([4, 5, 6], buffers)
@@ -111,8 +111,8 @@ def test_what_does_not_fit_is_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(jcas.JcasError):
         jcas.Policy.load(broken, model)
     with pytest.raises(jcas.ArgumentError, match="mode"):
-        jcas.Policy.load(FLEET, model, mode="boldly")  # type: ignore[arg-type]
-    policy = jcas.Policy.load(FLEET, model)
+        jcas.Policy.load(MISSION, model, mode="boldly")  # type: ignore[arg-type]
+    policy = jcas.Policy.load(MISSION, model)
     with pytest.raises(jcas.ArgumentError, match="sim"):
         policy.act(None)  # type: ignore[arg-type]
     with pytest.raises(jcas.JcasError):

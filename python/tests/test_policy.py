@@ -161,7 +161,7 @@ def test_the_command_flies_a_policy_that_was_written_here(tmp_path):
         assert ours[name] == pytest.approx(theirs[name], rel=1e-12), name
 
 
-SHIPPED = Path(__file__).parents[2] / "policies" / "fleet"
+SHIPPED = Path(__file__).parents[2] / "policies" / "mission"
 
 
 def test_the_example_flies_the_shipped_policy(tmp_path):

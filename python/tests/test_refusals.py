@@ -14,8 +14,8 @@ import pytest
 import jcas
 
 ROOT = Path(__file__).parents[2]
-FLEET = ROOT / "policies" / "fleet"
-WEIGHTS = FLEET / "policy.safetensors"
+MISSION = ROOT / "policies" / "mission"
+WEIGHTS = MISSION / "policy.safetensors"
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def test_a_file_that_is_no_policy_is_a_policy_error(model, tmp_path):
 
 def test_a_policy_of_other_observations_is_a_policy_error():
     with pytest.raises(jcas.PolicyError, match="policy.safetensors"):
-        jcas.Policy.load(FLEET, jcas.Model(target_visibility="hidden"))
+        jcas.Policy.load(MISSION, jcas.Model(target_visibility="hidden"))
 
 
 @pytest.mark.parametrize("name", ["fly", "", "teams\0x", "tëams"])
@@ -68,7 +68,7 @@ def pickled(policy):
 def test_policies_can_be_copied(model, how):
     sim = jcas.Sim(model, seed=3)
     for policy in (
-        jcas.Policy.load(FLEET, model, mode="sampled"),
+        jcas.Policy.load(MISSION, model, mode="sampled"),
         jcas.Policy.baseline("greedy", model, pilot=0.2),
     ):
         twin = how(policy)

@@ -1,6 +1,6 @@
 /* Policies through the C interface, and the refusal of every wrong call.
  *
- *   policies policies/fleet/policy.safetensors
+ *   policies policies/mission/policy.safetensors
  *
  * The program prints the hash of the last state of each mission. The first missions are the
  * network's: deterministic and sampled. The missions of all baselines follow. */

@@ -77,7 +77,7 @@ fn threads_compute_what_one_computes() {
 fn the_end_of_memory_is_a_status() {
     let compiler = c_compilers()[0];
     let program = compile(compiler, "gnu11", "scarce", &c_tests(&["scarce.c"]));
-    let policy = root().join("policies/fleet/policy.safetensors");
+    let policy = root().join("policies/mission/policy.safetensors");
     run(Command::new(program).arg(policy));
 }
 

@@ -19,7 +19,7 @@ use jcas_policy::{BaselineKind, PilotMode};
 const SEED: u64 = 4;
 
 fn policy_file() -> std::path::PathBuf {
-    root().join("policies/fleet/policy.safetensors")
+    root().join("policies/mission/policy.safetensors")
 }
 
 /// The hash of the last state of the network's mission.

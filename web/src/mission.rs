@@ -29,8 +29,8 @@ const SEARCH_ITERATIONS: u64 = 50_000;
 /// The trained policies that the page contains.
 pub const SHIPPED: [(&str, &[u8]); 2] = [
     (
-        "fleet",
-        include_bytes!("../../policies/fleet/policy.safetensors"),
+        "mission",
+        include_bytes!("../../policies/mission/policy.safetensors"),
     ),
     (
         "paper",

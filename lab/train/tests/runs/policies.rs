@@ -78,7 +78,7 @@ fn same_outputs(actor: &Actor, model: &Model<'static>) {
 
 /// A policy that the repository ships.
 fn shipped() -> (Actor, Model<'static>) {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../policies/fleet");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../policies/mission");
     let (card, actor) = files::load(Path::new(folder)).unwrap();
     (actor, Model::new(card.config).unwrap())
 }
