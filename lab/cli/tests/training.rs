@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use support::{lab, succeed};
 
-const SMALL: [&str; 16] = [
+const SMALL: [&str; 15] = [
     "train",
     "--uavs=3",
     "--hotspots=2",
@@ -23,7 +23,6 @@ const SMALL: [&str; 16] = [
     "--train-set=minibatch_rows=256",
     "--train-set=critic_minibatch_rows=128",
     "--train-set=evaluation_episodes=2",
-    "--train-set=kl_target=none",
     "--name=small",
     "--threads=2",
 ];

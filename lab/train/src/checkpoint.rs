@@ -3,7 +3,7 @@
 //! All random numbers follow from the seed and the iteration. So a checkpoint between two
 //! iterations holds only weights, optimiser moments, statistics and the episodes' states.
 
-use crate::error::TrainError;
+use crate::error::{FormatError, TrainError};
 use crate::ppo::normalise::Running;
 use crate::ppo::update::Trainable;
 use crate::store::{Array, Arrays, encode, write_whole};
@@ -48,7 +48,7 @@ fn model_arrays(name: &str, model: &Trainable, arrays: &mut Vec<Array>) {
     ));
 }
 
-fn read_model(name: &str, model: &mut Trainable, arrays: &Arrays) -> Result<(), String> {
+fn read_model(name: &str, model: &mut Trainable, arrays: &Arrays) -> Result<(), FormatError> {
     let length = model.parameters.len();
     model.parameters = arrays.f32(&format!("{name}.parameters"), length)?;
     model.adam.mean = arrays.f32(&format!("{name}.mean"), length)?;
@@ -66,7 +66,7 @@ fn read_statistics(
     running: &mut Running,
     count: f64,
     arrays: &Arrays,
-) -> Result<(), String> {
+) -> Result<(), FormatError> {
     let length = running.mean.len();
     running.mean = arrays.f64(&format!("{name}.mean"), length)?;
     running.deviation = arrays.f64(&format!("{name}.deviation"), length)?;
@@ -118,21 +118,19 @@ pub fn load_learnt(trainer: &mut Trainer, path: &Path) -> Result<(), TrainError>
     learnt.map_err(TrainError::format(path))
 }
 
-fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), String> {
+fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), FormatError> {
     let (notes, arrays) = decode(bytes)?;
     if notes.run != run {
-        return Err(format!(
-            "belongs to a run with other settings; to go on, give the same ones:\n{}\nnow given:\n\
-             {run}",
-            notes.run
-        ));
+        return Err(FormatError::OtherRun {
+            stored: notes.run,
+            given: run.to_owned(),
+        });
     }
     if notes.workers != trainer.workers.len() {
-        return Err(format!(
-            "workers: the checkpoint has {}, this run {}",
-            notes.workers,
-            trainer.workers.len()
-        ));
+        return Err(FormatError::Workers {
+            stored: notes.workers,
+            given: trainer.workers.len(),
+        });
     }
     read_learnt(trainer, &notes, &arrays)?;
     for (index, worker) in trainer.workers.iter_mut().enumerate() {
@@ -143,21 +141,25 @@ fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-fn decode(bytes: &[u8]) -> Result<(Notes, Arrays<'_>), String> {
+fn decode(bytes: &[u8]) -> Result<(Notes, Arrays<'_>), FormatError> {
     let arrays = Arrays::decode(bytes)?;
     let notes = arrays.notes.as_deref();
-    let notes = notes.ok_or("the metadata entry \"jcas\" is missing")?;
-    let notes: Notes = serde_json::from_str(notes).map_err(|error| error.to_string())?;
+    let notes = notes.ok_or(FormatError::NoNote)?;
+    let notes: Notes = serde_json::from_str(notes)?;
     if notes.format != FORMAT {
-        return Err(format!(
-            "checkpoint format {}, this version reads {FORMAT}",
-            notes.format
-        ));
+        return Err(FormatError::Version {
+            got: notes.format,
+            expected: FORMAT,
+        });
     }
     Ok((notes, arrays))
 }
 
-fn read_learnt(trainer: &mut Trainer, notes: &Notes, arrays: &Arrays<'_>) -> Result<(), String> {
+fn read_learnt(
+    trainer: &mut Trainer,
+    notes: &Notes,
+    arrays: &Arrays<'_>,
+) -> Result<(), FormatError> {
     read_model("actor", &mut trainer.actor, arrays)?;
     read_model("critic", &mut trainer.critic, arrays)?;
     trainer.actor.adam.steps = notes.actor_updates;

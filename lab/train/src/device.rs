@@ -1,5 +1,6 @@
 //! Where tensors live: the processor, or a GPU where one is built in and at hand.
 
+use crate::error::SettingError;
 use burn_tensor::Device;
 
 /// Names that settings may give in this build.
@@ -12,7 +13,7 @@ pub const NAMES: &[&str] = &[
 ];
 
 /// The device that a name stands for, without gradients.
-pub fn named(name: &str) -> Result<Device, String> {
+pub fn named(name: &str) -> Result<Device, SettingError> {
     match name {
         "cpu" => Ok(Device::flex()),
         #[cfg(feature = "cuda")]
@@ -22,21 +23,23 @@ pub fn named(name: &str) -> Result<Device, String> {
             let best = Device::wgpu(burn_tensor::DeviceKind::DefaultDevice);
             at_hand(name, burn_tensor::DeviceType::Wgpu, best)
         }
-        _ => Err(format!(
-            "device: {name:?} is not built in; allowed here: {}",
-            NAMES.join(", ")
-        )),
+        _ => {
+            let allowed = format!("one of those built in: {}", NAMES.join(", "));
+            Err(SettingError::value("device", name, allowed))
+        }
     }
 }
 
 /// Asks first, because tensors on a device that is missing panic.
 #[cfg(any(feature = "cuda", feature = "wgpu"))]
-fn at_hand(name: &str, kind: burn_tensor::DeviceType, device: Device) -> Result<Device, String> {
+fn at_hand(
+    name: &str,
+    kind: burn_tensor::DeviceType,
+    device: Device,
+) -> Result<Device, SettingError> {
     if Device::enumerate(kind).into_vec().is_empty() {
-        return Err(format!(
-            "device: {name:?} is built in, but no such device, or no driver for it, is on this \
-             machine; allowed here: cpu"
-        ));
+        let allowed = "cpu, as no such device, or no driver for it, is on this machine";
+        return Err(SettingError::value("device", name, allowed));
     }
     Ok(device)
 }

@@ -3,12 +3,12 @@
 //! The trait is the whole contract between PPO and the simulator. So tests can run the algorithm on
 //! an environment whose best return is known.
 
-pub mod detection_credit;
 pub mod fleet;
 pub mod knowledge_credit;
 pub mod task;
 pub mod teacher;
 
+use crate::error::FormatError;
 use crate::settings::Credit;
 use jcas_core::MotionMap;
 use jcas_policy::network::row::RowLayout;
@@ -64,45 +64,37 @@ impl Shape {
 pub struct StepOut {
     /// Rewards: the team's of each episode (M), or each UAV's own (M·N), as requested.
     pub rewards: Vec<f32>,
-    /// Gain of each UAV's pilot density in this step over the middle of the range (M·N), if
-    /// requested.
-    pub pilot_gains: Vec<f32>,
-    /// Confirmations of this step less the expected ones, as a share of the hotspots that were
-    /// unconfirmed before it (M), if requested.
-    pub surpluses: Vec<f32>,
     /// The raw action that the teacher chose for each UAV in the state before the step (M·N × 2),
     /// if requested.
-    pub lessons: Vec<f32>,
+    pub labels: Vec<f32>,
     /// The mission ended by itself: nothing follows.
     pub terminated: Vec<bool>,
     /// The mission was cut at the horizon: its value goes on.
     pub truncated: Vec<bool>,
     /// Global state at the end of a mission that ended in this step (M × S); else unspecified.
     pub final_global: Vec<f32>,
-    /// Observations at the end of a mission that ended in this step (M·N × O); else unspecified.
-    pub final_observations: Vec<f32>,
     /// Summaries of the missions that ended in this step, in the order of their index.
     pub finished: Vec<Episode>,
 }
 
 impl StepOut {
-    /// Buffers for a group of this shape. Their lengths request what the credit needs, and with
-    /// `pilot_gains` also the gains of the pilot densities.
-    pub fn new(shape: Shape, credit: Credit, pilot_gains: bool) -> StepOut {
+    /// Buffers for a group of this shape. Their lengths request what the credit needs.
+    pub fn new(shape: Shape, credit: Credit) -> StepOut {
         let rewards = match credit {
-            Credit::Team | Credit::Expected | Credit::Teacher => shape.environments,
+            Credit::Team | Credit::Teacher => shape.environments,
             Credit::Uav => shape.rows(),
         };
-        let room = |asked: bool, length: usize| vec![0.0; if asked { length } else { 0 }];
+        let labels = if credit == Credit::Teacher {
+            2 * shape.rows()
+        } else {
+            0
+        };
         StepOut {
             rewards: vec![0.0; rewards],
-            surpluses: room(credit == Credit::Expected, shape.environments),
-            lessons: room(credit.has_lessons(), 2 * shape.rows()),
-            pilot_gains: room(pilot_gains, shape.rows()),
+            labels: vec![0.0; labels],
             terminated: vec![false; shape.environments],
             truncated: vec![false; shape.environments],
             final_global: vec![0.0; shape.environments * shape.global_len],
-            final_observations: vec![0.0; shape.rows() * shape.observation_len],
             finished: Vec::new(),
         }
     }
@@ -134,10 +126,6 @@ pub trait VectorEnvironment: Send {
     /// Observations (M·N × O) and global states (M × S) of the missions as they are now.
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]);
 
-    /// Called before each batch, counted from 0. The task may depend on the batch, and otherwise
-    /// only on what a checkpoint holds.
-    fn begin_batch(&mut self, _batch: u64) {}
-
     /// Steps all missions by `actions` (M·N × 2, each in [-1, 1]); ended missions start anew.
     fn step(&mut self, actions: &[f32], out: &mut StepOut);
 
@@ -145,5 +133,5 @@ pub trait VectorEnvironment: Send {
     fn save(&self) -> Vec<u8>;
 
     /// Restores the output of [`VectorEnvironment::save`].
-    fn load(&mut self, bytes: &[u8]) -> Result<(), String>;
+    fn load(&mut self, bytes: &[u8]) -> Result<(), FormatError>;
 }

@@ -41,14 +41,8 @@ pub enum Architecture {
     },
     /// Shared encoders over UAVs and hotspots of the global state, with one output: the value.
     SetCritic {
-        /// Whether the value is one UAV's, whose observation follows the global state; else it is
-        /// the team's.
-        of_uav: bool,
         /// Widths of the hidden layers after pooling.
         hidden: Vec<usize>,
-        /// Fields that search maps and tags add to the observation.
-        #[serde(default, skip_serializing_if = "is_zero")]
-        added: usize,
         /// Whether it reads how well the fleet covers each hotspot.
         #[serde(default, skip_serializing_if = "is_false")]
         cover: bool,
@@ -90,18 +84,8 @@ impl Architecture {
                 };
                 Family::Actor(hidden, outputs, reads)
             }
-            Architecture::SetCritic {
-                ref hidden,
-                of_uav,
-                added,
-                cover,
-            } => {
-                let reads = set::Critic {
-                    of_uav,
-                    added,
-                    cover,
-                };
-                Family::Critic(hidden, reads)
+            Architecture::SetCritic { ref hidden, cover } => {
+                Family::Critic(hidden, set::Critic { cover })
             }
         }
     }

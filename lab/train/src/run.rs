@@ -4,7 +4,7 @@ use crate::checkpoint;
 use crate::environment::VectorEnvironment;
 use crate::environment::fleet::{Fleet, RewardShaping};
 use crate::environment::task::TrainingTask;
-use crate::error::TrainError;
+use crate::error::{SettingError, TrainError};
 use crate::metrics::{MetricsFile, Row};
 use crate::policy::Actor;
 use crate::policy::files::{self, Precision, save};
@@ -96,10 +96,9 @@ pub enum RunOutcome {
 }
 
 fn models(configs: &[Config]) -> Result<Vec<Arc<Model<'static>>>, TrainError> {
-    let refused = |error: jcas_core::Error| TrainError::Setting(error.to_string());
     configs
         .iter()
-        .map(|&config| Model::new(config).map(Arc::new).map_err(refused))
+        .map(|&config| Ok(Arc::new(Model::new(config).map_err(SettingError::Model)?)))
         .collect()
 }
 
@@ -110,18 +109,17 @@ fn begin_from(trainer: &mut Trainer, folder: &Path) -> Result<(), TrainError> {
         return checkpoint::load_learnt(trainer, &checkpoint);
     }
     let (card, actor) = files::load(folder)?;
-    let refused = |what: String| Err(TrainError::Fit(format!("{}: {what}", folder.display())));
-    let (own, given) = (
-        &trainer.actor.network.architecture,
-        &actor.network.architecture,
-    );
-    if own != given {
-        return refused(format!(
-            "its network is {given:?}, that of the settings is {own:?}"
-        ));
+    let own = &trainer.actor.network.architecture;
+    let stored = &actor.network.architecture;
+    if own != stored {
+        return Err(TrainError::Network {
+            folder: folder.to_owned(),
+            stored: format!("{stored:?}"),
+            own: format!("{own:?}"),
+        });
     }
     if actor.inputs != Affine::default() {
-        return refused("it scales its inputs, which no training does".to_owned());
+        return Err(TrainError::ScaledInputs(folder.to_owned()));
     }
     trainer.actor.parameters = actor.parameters;
     trainer.environment_steps = card.environment_steps.unwrap_or(0);
@@ -153,13 +151,11 @@ impl RunSpec {
     /// A trainer at its start.
     pub fn trainer(&self) -> Result<Trainer, TrainError> {
         let settings = &self.settings;
-        settings.validate().map_err(TrainError::Setting)?;
+        settings.validate()?;
         let count = self.configs.len();
         if count == 0 || count > settings.workers {
-            return Err(TrainError::Setting(format!(
-                "workers: {} for {count} configurations, allowed: one or more for each",
-                settings.workers
-            )));
+            let allowed = format!("at least one for each configuration ({count})");
+            return Err(SettingError::value("workers", settings.workers, allowed).into());
         }
         let missions = settings.environments / settings.workers;
         let fleets: Vec<(TrainingTask, RewardShaping)> = self
@@ -169,15 +165,14 @@ impl RunSpec {
                 let task = TrainingTask::new(config, settings)?;
                 Ok((task, RewardShaping::new(settings, self.constant_pilot())?))
             })
-            .collect::<Result<_, _>>()
-            .map_err(TrainError::Setting)?;
+            .collect::<Result<_, SettingError>>()?;
         let workers = (0..settings.workers)
             .map(|worker| {
                 let (task, treatment) = fleets[worker * count / settings.workers].clone();
                 Box::new(Fleet::new(task, missions, treatment)) as Box<dyn VectorEnvironment>
             })
             .collect();
-        Trainer::new(settings.clone(), workers, &self.device).map_err(TrainError::Setting)
+        Ok(Trainer::new(settings.clone(), workers, &self.device)?)
     }
 
     /// The trainer as the run begins.
@@ -189,10 +184,7 @@ impl RunSpec {
                 checkpoint::load(&mut trainer, &self.identity(), &checkpoint)?;
             }
             _ if checkpoint.exists() => {
-                return Err(TrainError::Setting(format!(
-                    "{}: holds a run already; continue it with --resume or give another folder",
-                    self.out.display()
-                )));
+                return Err(TrainError::Taken(self.out.clone()));
             }
             Start::Run(folder) => {
                 begin_from(&mut trainer, folder)?;
@@ -329,8 +321,8 @@ impl RunSpec {
 /// The value as a card holds it. The detour by way of text keeps the short form of an f32.
 fn json(value: &impl serde::Serialize) -> Result<serde_json::Value, TrainError> {
     let text = serde_json::to_string(value);
-    text.and_then(|text| serde_json::from_str(&text))
-        .map_err(|error| TrainError::Setting(error.to_string()))
+    let value = text.and_then(|text| serde_json::from_str(&text));
+    Ok(value.map_err(SettingError::Overrides)?)
 }
 
 /// The sampled mode if missions go better in it by more than chance, or else the deterministic
@@ -368,7 +360,7 @@ pub fn evaluate(
         &|| Box::new(policy.clone()),
         &|| ControlFlow::Continue(()),
     )
-    .map_err(|error| TrainError::Setting(error.to_string()))?;
+    .map_err(|error| SettingError::Evaluation(error.to_string()))?;
     let horizon = model.config().horizon_steps;
     let mean =
         |of: &dyn Fn(&Metrics) -> f64| missions.iter().map(of).sum::<f64>() / missions.len() as f64;

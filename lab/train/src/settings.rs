@@ -4,9 +4,8 @@ mod presets;
 
 pub use presets::Preset;
 
+use crate::error::SettingError;
 use crate::ppo::schedule::Schedule;
-use crate::ppo::update::PilotObjective;
-use jcas_episode::card::Card;
 use jcas_policy::head::Head;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -25,8 +24,6 @@ pub struct Settings {
     pub actor_hidden: Vec<usize>,
     /// Hidden layer widths of the critic.
     pub critic_hidden: Vec<usize>,
-    /// Input of the critic. The paper's text allows both readings; `reproduce` trains both.
-    pub critic_input: CriticInput,
     /// Scale value targets by running statistics.
     pub normalise_values: bool,
 
@@ -44,8 +41,7 @@ pub struct Settings {
     pub epochs: usize,
     /// Actor samples (one UAV in one step) of a minibatch.
     pub minibatch_rows: usize,
-    /// Critic rows of a minibatch: environment steps, or UAV samples if the critic reads a UAV's
-    /// observation.
+    /// Critic rows of a minibatch: environment steps.
     pub critic_minibatch_rows: usize,
     /// Fraction of the UAVs' samples that each epoch visits, in (0, 1].
     pub sample_fraction: f64,
@@ -56,9 +52,6 @@ pub struct Settings {
     pub schedule: Schedule,
     /// PPO's clip range ε.
     pub clip: f32,
-    /// Mean KL divergence of a batch's policy change after which no further epoch runs. Absent: no
-    /// bound.
-    pub kl_target: Option<f64>,
     /// Discount γ, in (0, 1].
     pub discount: f32,
     /// λ of generalised advantage estimation, in (0, 1].
@@ -72,8 +65,6 @@ pub struct Settings {
 
     /// Fields of the configuration that training changes, with their values.
     pub config_overrides: BTreeMap<String, serde_json::Value>,
-    /// A radar that detects more easily in the first batches. Absent: as configured.
-    pub curriculum: Option<Curriculum>,
     /// Changes of the reward in training.
     pub shaping: Shaping,
 
@@ -89,10 +80,6 @@ pub struct Shaping {
     pub factors: BTreeMap<String, f64>,
     /// Subtracted from the reward of every step.
     pub time_penalty: f64,
-    /// For each confirmation that a UAV is expected to add, at least 0. Above 0, each pilot density
-    /// is judged by its gain in its own step: detections, throughput and energy, relative to the
-    /// middle of the range. At 0 the advantage judges it, as it does the motion.
-    pub detection: f64,
     /// For each confirmed hotspot that a UAV comes to know. Once all hotspots are confirmed, 0.6 of
     /// it is paid for each cell by which a UAV approaches the nearest UAV with other knowledge. A
     /// step in which a UAV is informed pays nothing for that.
@@ -119,10 +106,6 @@ pub enum Credit {
     /// The team's reward judges every action, as in the paper. One part in N of it is about the UAV
     /// itself.
     Team,
-    /// The same, with the advantage freed of the luck of confirmations: a control variate takes out
-    /// what the drawn detections confirmed beyond expectation. For a reward that counts time. It
-    /// has no price for a pilot density, so the actor learns the densities of the rule `adaptive`.
-    Expected,
     /// A teacher judges: the actor learns the actions that the baseline `squads:adaptive` chooses
     /// in the states that the actor visits. The method is DAgger (Ross, Gordon and Bagnell, "A
     /// reduction of imitation learning and structured prediction to no-regret online learning",
@@ -132,60 +115,20 @@ pub enum Credit {
     Uav,
 }
 
-impl Credit {
-    /// Whether a teacher chooses an action, or a pilot density, in each state.
-    pub fn has_lessons(self) -> bool {
-        matches!(self, Credit::Expected | Credit::Teacher)
-    }
-}
-
-/// What the critic sees.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CriticInput {
-    /// The global state: one value for the team, under either credit.
-    State,
-    /// The global state and the UAV's own observation: one value for each UAV.
-    StateAndUav,
-}
-
-/// Radar curriculum: the detection threshold rises over the first batches.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Curriculum {
-    /// Detection threshold of the first batch, dB. A threshold 40·log10(a) dB lower gives the same
-    /// odds at a times the distance.
-    pub threshold_db: f64,
-    /// Batches after which the threshold is the configuration's.
-    pub batches: u64,
-    /// Number of equal steps of the threshold. Each step restarts all episodes.
-    pub stages: u64,
-}
-
 impl Settings {
     /// Refuses settings that are out of range or incompatible. The message names the setting, its
     /// value and its range.
-    pub fn validate(&self) -> Result<(), String> {
+    pub fn validate(&self) -> Result<(), SettingError> {
         self.check_ranges()?;
         self.check_batches()?;
-        if self.credit.has_lessons() && self.head != Head::Hybrid {
-            return Err(
-                "credit: expected and teacher are allowed with head = hybrid, and head is gaussian"
-                    .into(),
-            );
+        if self.credit == Credit::Teacher && self.head != Head::Hybrid {
+            let allowed = "team or uav where head is gaussian";
+            return Err(SettingError::value("credit", "teacher", allowed));
         }
-        match self.curriculum {
-            Some(Curriculum {
-                batches, stages, ..
-            }) if !(1..=batches).contains(&stages) => Err(format!(
-                "curriculum.stages: {stages} is not allowed, it must be 1 to curriculum.batches \
-                 ({batches})"
-            )),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
-    fn check_ranges(&self) -> Result<(), String> {
+    fn check_ranges(&self) -> Result<(), SettingError> {
         let counts = [
             ("environments", self.environments as u64),
             ("workers", self.workers as u64),
@@ -197,7 +140,7 @@ impl Settings {
         ];
         for (field, value) in counts {
             if value == 0 {
-                return Err(format!("{field}: 0 is not allowed, it must be at least 1"));
+                return Err(SettingError::value(field, 0, "at least 1"));
             }
         }
         let unit = [
@@ -207,64 +150,36 @@ impl Settings {
         ];
         for (field, value) in unit {
             if !(value > 0.0 && value <= 1.0) {
-                return Err(format!("{field}: {value} is not in (0, 1]"));
+                return Err(SettingError::value(field, value, "in (0, 1]"));
             }
         }
         let positive = [
             ("learning_rate", self.learning_rate),
             ("clip", f64::from(self.clip)),
-            // An absent one bounds nothing.
-            ("kl_target", self.kl_target.unwrap_or(1.0)),
         ];
         for (field, value) in positive {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(format!("{field}: {value} is not a positive number"));
+                return Err(SettingError::value(field, value, "a positive number"));
             }
         }
-        let detection = self.shaping.detection;
-        if !(detection >= 0.0 && detection.is_finite()) {
-            return Err(format!(
-                "shaping.detection: {detection} is not a number of at least 0"
-            ));
-        }
         Ok(())
     }
 
-    fn check_batches(&self) -> Result<(), String> {
+    fn check_batches(&self) -> Result<(), SettingError> {
         if !self.environments.is_multiple_of(self.workers) {
-            return Err(format!(
-                "environments: {} is not a multiple of workers ({})",
-                self.environments, self.workers
-            ));
+            let allowed = format!("a multiple of workers ({})", self.workers);
+            let environments = self.environments;
+            return Err(SettingError::value("environments", environments, allowed));
         }
         if !self.batch_steps.is_multiple_of(self.environments) {
-            return Err(format!(
-                "batch_steps: {} is not a multiple of environments ({})",
-                self.batch_steps, self.environments
+            let allowed = format!("a multiple of environments ({})", self.environments);
+            return Err(SettingError::value(
+                "batch_steps",
+                self.batch_steps,
+                allowed,
             ));
         }
         Ok(())
-    }
-
-    /// The settings on a card; none where they are those of another version or of another trainer.
-    pub fn of_card(card: &Card) -> Option<Settings> {
-        Settings::deserialize(card.settings.as_ref()?).ok()
-    }
-
-    /// Whether each pilot density is judged by its gain in its own step.
-    pub fn pilot_by_step(&self) -> bool {
-        self.shaping.detection > 0.0 && self.constant_pilot.is_none()
-    }
-
-    /// What trains pilot densities.
-    pub(crate) fn pilot_objective(&self) -> PilotObjective {
-        if self.constant_pilot.is_some() {
-            PilotObjective::Held
-        } else if self.credit.has_lessons() && !self.pilot_by_step() {
-            PilotObjective::Taught
-        } else {
-            PilotObjective::Judged
-        }
     }
 
     /// Steps of each mission in one iteration.
@@ -289,52 +204,34 @@ mod tests {
     use super::*;
 
     fn told(settings: &Settings) -> String {
-        settings.validate().unwrap_err()
+        settings.validate().unwrap_err().to_string()
     }
 
     #[test]
     fn numbers_out_of_range_are_refused_by_name() {
-        for preset in [Preset::Paper, Preset::Tuned, Preset::Mission] {
+        for preset in [Preset::Paper, Preset::Tuned, Preset::Time, Preset::Mission] {
             Settings::preset(preset).validate().unwrap();
         }
-        let mission = || Settings::preset(Preset::Mission);
-        for kl in [0.0, -1.0, f64::NAN] {
+        for clip in [0.0, -1.0, f32::NAN] {
             let settings = Settings {
-                kl_target: Some(kl),
-                ..mission()
+                clip,
+                ..Settings::preset(Preset::Mission)
             };
-            assert!(told(&settings).contains("kl_target"));
+            assert!(told(&settings).contains("clip"));
         }
-        for credit in [Credit::Expected, Credit::Teacher] {
-            let taught = Settings {
-                head: Head::Gaussian,
-                credit,
-                ..mission()
-            };
-            assert!(told(&taught).contains("credit: expected and teacher"));
-        }
-        for detection in [-1.0, f64::NAN, f64::INFINITY] {
-            let mut settings = mission();
-            settings.shaping.detection = detection;
-            assert!(told(&settings).contains("shaping.detection"));
-        }
-    }
-
-    #[test]
-    fn a_pilot_density_is_judged_by_its_step_where_detection_is_paid() {
-        assert!(!Settings::preset(Preset::Tuned).pilot_by_step());
-        let mut settings = Settings::preset(Preset::Mission);
-        assert!(settings.pilot_by_step());
-        settings.constant_pilot = Some(0.1);
-        assert!(!settings.pilot_by_step());
+        let of_teacher = Settings {
+            head: Head::Gaussian,
+            ..Settings::preset(Preset::Mission)
+        };
+        assert!(told(&of_teacher).contains("credit: teacher"));
     }
 
     /// A setting that is added has to take the place of another.
     #[test]
-    fn there_are_at_most_thirty_settings() {
+    fn there_are_at_most_twenty_six_settings() {
         let json = serde_json::to_value(Settings::preset(Preset::Mission)).unwrap();
         let settings = json.as_object().unwrap();
         let shaping = settings["shaping"].as_object().unwrap();
-        assert!(settings.len() - 1 + shaping.len() <= 30);
+        assert!(settings.len() - 1 + shaping.len() <= 26);
     }
 }

@@ -1,6 +1,6 @@
 //! Files that are whole or absent, and numbers in safetensors.
 
-use crate::error::TrainError;
+use crate::error::{FormatError, TrainError};
 use safetensors::tensor::{Dtype, TensorView};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -23,7 +23,8 @@ pub fn csv_bytes<T: serde::Serialize>(
     for row in rows {
         writer.serialize(row).map_err(TrainError::format(path))?;
     }
-    writer.into_inner().map_err(TrainError::format(path))
+    let bytes = writer.into_inner();
+    bytes.map_err(|error| TrainError::format(path)(FormatError::CsvWriter(error.to_string())))
 }
 
 /// Writes under a temporary name beside `path`, flushes to disk and renames. A crash at any moment
@@ -98,17 +99,16 @@ impl Array {
 }
 
 /// One safetensors file: arrays and a JSON note. Equal content gives equal bytes.
-pub fn encode(arrays: &[Array], notes: &str) -> Result<Vec<u8>, String> {
+pub fn encode(arrays: &[Array], notes: &str) -> Result<Vec<u8>, FormatError> {
     let views: Vec<(&str, TensorView)> = arrays
         .iter()
         .map(|array| {
             TensorView::new(array.dtype, array.shape.clone(), &array.bytes)
                 .map(|view| (array.name.as_str(), view))
-                .map_err(|error| error.to_string())
         })
-        .collect::<Result<_, _>>()?;
+        .collect::<Result<_, safetensors::SafeTensorError>>()?;
     let notes = HashMap::from([(NOTES.to_owned(), notes.to_owned())]);
-    safetensors::serialize(views, Some(notes)).map_err(|error| error.to_string())
+    Ok(safetensors::serialize(views, Some(notes))?)
 }
 
 /// Arrays of a file that was read.
@@ -120,29 +120,28 @@ pub struct Arrays<'a> {
 
 impl<'a> Arrays<'a> {
     /// Reads a file's bytes.
-    pub fn decode(bytes: &'a [u8]) -> Result<Arrays<'a>, String> {
-        let text = |error: safetensors::SafeTensorError| error.to_string();
-        let (_, metadata) = safetensors::SafeTensors::read_metadata(bytes).map_err(text)?;
+    pub fn decode(bytes: &'a [u8]) -> Result<Arrays<'a>, FormatError> {
+        let (_, metadata) = safetensors::SafeTensors::read_metadata(bytes)?;
         let notes = metadata
             .metadata()
             .as_ref()
             .and_then(|notes| notes.get(NOTES).cloned());
         Ok(Arrays {
-            tensors: safetensors::SafeTensors::deserialize(bytes).map_err(text)?,
+            tensors: safetensors::SafeTensors::deserialize(bytes)?,
             notes,
         })
     }
 
-    fn raw(&self, name: &str) -> Result<(Dtype, Cow<'a, [u8]>), String> {
+    fn raw(&self, name: &str) -> Result<(Dtype, Cow<'a, [u8]>), FormatError> {
         let view = self
             .tensors
             .tensor(name)
-            .map_err(|_| format!("array {name:?} is missing"))?;
+            .map_err(|_| FormatError::Missing(name.to_owned()))?;
         Ok((view.dtype(), Cow::Borrowed(view.data())))
     }
 
     /// An array of f32 (or of f16, widened) of exactly `length` entries.
-    pub fn f32(&self, name: &str, length: usize) -> Result<Vec<f32>, String> {
+    pub fn f32(&self, name: &str, length: usize) -> Result<Vec<f32>, FormatError> {
         let (dtype, bytes) = self.raw(name)?;
         let values: Vec<f32> = match dtype {
             Dtype::F32 => bytes
@@ -153,17 +152,17 @@ impl<'a> Arrays<'a> {
                 .chunks_exact(2)
                 .map(|b| half::f16::from_le_bytes([b[0], b[1]]).to_f32())
                 .collect(),
-            other => return Err(format!("array {name:?} is of {other:?}, allowed: F32, F16")),
+            other => return Err(wrong_type(name, other, "F32, F16")),
         };
         check_length(name, values.len(), length)?;
         Ok(values)
     }
 
     /// An array of f64 of exactly `length` entries.
-    pub fn f64(&self, name: &str, length: usize) -> Result<Vec<f64>, String> {
+    pub fn f64(&self, name: &str, length: usize) -> Result<Vec<f64>, FormatError> {
         let (dtype, bytes) = self.raw(name)?;
         if dtype != Dtype::F64 {
-            return Err(format!("array {name:?} is of {dtype:?}, allowed: F64"));
+            return Err(wrong_type(name, dtype, "F64"));
         }
         let eight = |b: &[u8]| f64::from_le_bytes(b.try_into().expect("chunks of eight"));
         let values: Vec<f64> = bytes.chunks_exact(8).map(eight).collect();
@@ -172,18 +171,28 @@ impl<'a> Arrays<'a> {
     }
 
     /// Bytes.
-    pub fn bytes(&self, name: &str) -> Result<Cow<'a, [u8]>, String> {
+    pub fn bytes(&self, name: &str) -> Result<Cow<'a, [u8]>, FormatError> {
         self.raw(name).map(|(_, bytes)| bytes)
     }
 }
 
-fn check_length(name: &str, got: usize, expected: usize) -> Result<(), String> {
+fn check_length(name: &str, got: usize, expected: usize) -> Result<(), FormatError> {
     if got == expected {
         Ok(())
     } else {
-        Err(format!(
-            "array {name:?} has {got} entries, expected {expected}"
-        ))
+        Err(FormatError::Length {
+            name: name.to_owned(),
+            got,
+            expected,
+        })
+    }
+}
+
+fn wrong_type(name: &str, got: Dtype, allowed: &'static str) -> FormatError {
+    FormatError::Type {
+        name: name.to_owned(),
+        got: format!("{got:?}"),
+        allowed,
     }
 }
 

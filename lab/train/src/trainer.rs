@@ -2,6 +2,7 @@
 
 use crate::device;
 use crate::environment::{Episode, Shape, VectorEnvironment};
+use crate::error::SettingError;
 use crate::network::{Architecture, Network, set};
 use crate::ppo::acting::ActingPolicy;
 use crate::ppo::gae::{self, Trajectories};
@@ -11,7 +12,7 @@ use crate::ppo::update::{
     ActorObjective, CriticObjective, Learner, MinibatchSettings, Trainable, UpdateStats, evaluate,
 };
 use crate::random::{Purpose, stream_for};
-use crate::settings::{Credit, CriticInput, NetworkKind, Settings};
+use crate::settings::{Credit, NetworkKind, Settings};
 use burn_tensor::Device;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -33,8 +34,6 @@ pub struct Iteration {
     pub explained_variance: f64,
     /// Learning rate of the actor.
     pub learning_rate: f64,
-    /// Epochs of the actor before the KL limit.
-    pub epochs: usize,
     /// Wall time of the whole iteration.
     pub wall: Duration,
     /// Wall time of collecting.
@@ -82,7 +81,7 @@ fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Netwo
                 sizes: sizes(shape.observation_len, &settings.actor_hidden, outputs),
             }),
             Network::new(Architecture::Mlp {
-                sizes: sizes(settings.critic_input.len(shape), &settings.critic_hidden, 1),
+                sizes: sizes(shape.global_len, &settings.critic_hidden, 1),
             }),
         ),
         NetworkKind::Set | NetworkKind::Turns => (
@@ -95,8 +94,6 @@ fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Netwo
             }),
             Network::new(Architecture::SetCritic {
                 hidden: settings.critic_hidden.clone(),
-                of_uav: settings.critic_input == CriticInput::StateAndUav,
-                added: set::added(shape),
                 cover: settings.network == NetworkKind::Turns,
             }),
         ),
@@ -110,12 +107,12 @@ impl Trainer {
         settings: Settings,
         mut workers: Vec<Box<dyn VectorEnvironment>>,
         device: &str,
-    ) -> Result<Trainer, String> {
+    ) -> Result<Trainer, SettingError> {
         settings.validate()?;
         let device = device::named(device)?;
         let shape = workers
             .first()
-            .ok_or("workers: there must be at least one")?
+            .ok_or_else(|| SettingError::value("workers", 0, "at least 1"))?
             .shape();
         let fleets = workers
             .iter()
@@ -133,16 +130,13 @@ impl Trainer {
                 .iter()
                 .any(|worker| set::added(&worker.shape()) != set::added(&shape))
         {
-            return Err(
-                "network: set reads maps and tags of one size, so all missions must show the same"
-                    .into(),
-            );
+            let allowed = "for configurations whose maps and tags have one size";
+            return Err(SettingError::value("network", "set", allowed));
         }
         let mixed = workers.iter().any(|worker| worker.shape() != shape);
         if mixed && settings.network == NetworkKind::Mlp {
-            return Err(
-                "network: mlp has one input size, so all missions must be of one size".into(),
-            );
+            let allowed = "set or turns for configurations of several sizes";
+            return Err(SettingError::value("network", "mlp", allowed));
         }
         Ok(Trainer {
             value_statistics: Running::new(1),
@@ -176,7 +170,7 @@ impl Trainer {
         let started_learning = Instant::now();
         self.compute_advantages(&mut rollouts);
         let explained_variance = explained_variance(&rollouts);
-        let (actor, critic, epochs, learning_rate) = self.learn(&rollouts);
+        let (actor, critic, learning_rate) = self.learn(&rollouts);
         let learning = started_learning.elapsed();
 
         self.iterations += 1;
@@ -194,7 +188,6 @@ impl Trainer {
             critic,
             explained_variance,
             learning_rate,
-            epochs,
             wall: started.elapsed(),
             collecting,
             simulation_share: simulation.as_secs_f64()
@@ -213,7 +206,6 @@ impl Trainer {
         };
         let steps = self.settings.steps_per_batch();
         let &Settings { seed, credit, .. } = &self.settings;
-        let pilot_gains = self.settings.pilot_by_step();
         let iteration = self.iterations;
         self.workers
             .par_iter_mut()
@@ -221,8 +213,7 @@ impl Trainer {
             .map(|(index, worker)| {
                 let mut random = stream_for(seed, Purpose::Actions, iteration, index as u64);
                 let worker = worker.as_mut();
-                worker.begin_batch(iteration);
-                collect(worker, &policy, steps, credit, pilot_gains, &mut random)
+                collect(worker, &policy, steps, credit, &mut random)
             })
             .collect()
     }
@@ -241,7 +232,6 @@ impl Trainer {
 
     /// Computes values, advantages and targets of every row.
     fn compute_advantages(&self, rollouts: &mut [Rollout]) {
-        let input = self.settings.critic_input;
         let (offset, scale) = self.value_units();
         for rollout in rollouts {
             let shape = rollout.shape;
@@ -252,9 +242,9 @@ impl Trainer {
                     .map(|value| value * scale + offset)
                     .collect()
             };
-            rollout.critic_features = features(&rollout.critic_inputs(input));
+            rollout.critic_features = features(&rollout.global);
             let values = value(&rollout.critic_features);
-            let final_values = value(&features(&rollout.final_inputs(input)));
+            let final_values = value(&features(&rollout.final_inputs()));
             let next_values = rollout.next_values(&values, &final_values);
             let (advantages, targets) = gae::advantages(
                 &Trajectories {
@@ -262,7 +252,6 @@ impl Trainer {
                     rewards: &rollout.rewards,
                     values: &values,
                     next_values: &next_values,
-                    surpluses: &rollout.surpluses,
                     terminated: &rollout.terminated,
                     truncated: &rollout.truncated,
                 },
@@ -275,7 +264,7 @@ impl Trainer {
         }
     }
 
-    fn learn(&mut self, rollouts: &[Rollout]) -> (UpdateStats, UpdateStats, usize, f64) {
+    fn learn(&mut self, rollouts: &[Rollout]) -> (UpdateStats, UpdateStats, f64) {
         if self.settings.normalise_values {
             rollouts
                 .iter()
@@ -292,24 +281,14 @@ impl Trainer {
         let objective = ActorObjective {
             clip: settings.clip,
             sample_fraction: settings.sample_fraction,
-            pilots: settings.pilot_objective(),
+            motions_only: settings.constant_pilot.is_some(),
         };
 
         let critic_objective = CriticObjective {
-            input: settings.critic_input,
-            sample_fraction: match settings.critic_input {
-                CriticInput::State => 1.0,
-                CriticInput::StateAndUav => settings.sample_fraction,
-            },
             units: self.value_units(),
         };
 
         let (mut actor_sums, mut critic_sums) = (UpdateStats::default(), UpdateStats::default());
-        let mut epochs_run = 0;
-        let too_far = |sums: &UpdateStats| {
-            let kl = sums.kl / sums.rows.max(1.0);
-            settings.kl_target.is_some_and(|target| kl > target)
-        };
         for epoch in 0..settings.epochs as u64 {
             let mut random =
                 stream_for(settings.seed, Purpose::Minibatches, self.iterations, epoch);
@@ -320,7 +299,7 @@ impl Trainer {
                 &mut random,
             );
             critic_sums.merge(&critic);
-            if self.iterations < self.critic_only_batches || too_far(&actor_sums) {
+            if self.iterations < self.critic_only_batches {
                 continue;
             }
             // The log shows the last epoch, which produced the policy.
@@ -330,14 +309,8 @@ impl Trainer {
             } else {
                 learner.improve_actor(actor, head, &objective, &actor_step, &mut random)
             };
-            epochs_run += 1;
         }
-        (
-            actor_sums,
-            critic_sums,
-            epochs_run,
-            actor_step.learning_rate,
-        )
+        (actor_sums, critic_sums, actor_step.learning_rate)
     }
 
     /// Minibatches of the actor and of the critic in this iteration.

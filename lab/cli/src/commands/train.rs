@@ -36,7 +36,7 @@ Examples:
 pub enum TrainingPreset {
     /// What the measurements kept
     Tuned,
-    /// The same for a radar that detects in the own cell only
+    /// Imitation of the baseline squads, for a radar that detects in the own cell only
     Mission,
     /// The paper's table
     Paper,
@@ -388,8 +388,8 @@ mod tests {
         assign(&mut table, "shaping.factors.energy=10.0").unwrap();
         assign(&mut table, "shaping.factors.throughput=0.5").unwrap();
         assign(&mut table, "clip=none").unwrap();
-        merge(&mut table, parsed("[shaping]\ndetection = 20.0"));
-        let expected = "[shaping]\ntime_penalty = 0.3\ndetection = 20.0\n\
+        merge(&mut table, parsed("[shaping]\ninforming = 20.0"));
+        let expected = "[shaping]\ntime_penalty = 0.3\ninforming = 20.0\n\
                         [shaping.factors]\nenergy = 10.0\nthroughput = 0.5";
         assert_eq!(table, parsed(expected));
         let refused = assign(&mut table, "shaping.time_penalty.low=1").unwrap_err();

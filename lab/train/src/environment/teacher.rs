@@ -2,7 +2,7 @@
 //!
 //! A learner observes a state and no plan. So the teacher plans anew in each state, by what the
 //! members of a radio component know. Which UAV of a cell joins which team does not matter. So the
-//! motions of a cell are dealt by turns, and its first UAVs show whether and how it divides. Pilot
+//! motions of a cell are assigned round-robin, and its first UAVs show whether and how it divides. Pilot
 //! densities are those of the rule `adaptive`, which reads all confirmations.
 
 use jcas_core::action::motion;
@@ -12,25 +12,23 @@ use jcas_policy::{Baseline, BaselineKind, PilotMode, Policy};
 /// The teacher of any number of episodes of one configuration.
 #[derive(Debug)]
 pub struct Teacher {
-    /// The planner of motions, if they are taught.
-    squads: Option<Baseline>,
+    /// The planner of motions.
+    squads: Baseline,
     /// Actions of one fleet.
     actions: Vec<f32>,
 }
 
+impl Default for Teacher {
+    fn default() -> Teacher {
+        Teacher::new()
+    }
+}
+
 impl Teacher {
     /// A teacher of motions and pilot densities.
-    pub fn of_actions() -> Teacher {
+    pub fn new() -> Teacher {
         Teacher {
-            squads: Some(BaselineKind::Squads.build_privileged(PilotMode::Adaptive)),
-            ..Teacher::of_densities()
-        }
-    }
-
-    /// A teacher of pilot densities, whose motions are unspecified.
-    pub fn of_densities() -> Teacher {
-        Teacher {
-            squads: None,
+            squads: BaselineKind::Squads.build_privileged(PilotMode::Adaptive),
             actions: Vec::new(),
         }
     }
@@ -39,35 +37,29 @@ impl Teacher {
     ///
     /// It has the motion as an index of `Motion::ALL`, and the place of the pilot density in its
     /// range.
-    pub fn teach(&mut self, model: &Model<'_>, states: &[u64], lessons: &mut [f32]) {
+    pub fn teach(&mut self, model: &Model<'_>, states: &[u64], labels: &mut [f32]) {
         let uavs = model.uav_count();
         self.actions.resize(2 * uavs, 0.0);
         let states = states.chunks_exact(model.state_words());
-        for (state, lessons) in states.zip(lessons.chunks_exact_mut(2 * uavs)) {
+        for (state, labels) in states.zip(labels.chunks_exact_mut(2 * uavs)) {
             let state = model.state(state).expect("a state of this model");
-            if let Some(squads) = &mut self.squads {
-                // Without a plan from the state before.
-                squads.reset(model, 0);
-                squads.act(model, &state, &mut self.actions);
-            } else {
-                for (uav, action) in self.actions.chunks_exact_mut(2).enumerate() {
-                    action[1] = PilotMode::Adaptive.action(model, &state, uav);
-                }
-            }
+            // Without a plan from the state before.
+            self.squads.reset(model, 0);
+            self.squads.act(model, &state, &mut self.actions);
             let actions = self.actions.chunks_exact(2);
-            for (lesson, action) in lessons.chunks_exact_mut(2).zip(actions) {
-                lesson[0] = motion(action[0], model.config().motion_map) as u8 as f32;
-                lesson[1] = (action[1] + 1.0) / 2.0;
+            for (label, action) in labels.chunks_exact_mut(2).zip(actions) {
+                label[0] = motion(action[0], model.config().motion_map) as u8 as f32;
+                label[1] = (action[1] + 1.0) / 2.0;
             }
-            deal(&state, lessons);
+            deal(&state, labels);
         }
     }
 }
 
 /// Deals the motions of each cell to its UAVs by turns, so that every motion has its share of any
 /// number of first UAVs.
-fn deal(state: &StateRef<'_>, lessons: &mut [f32]) {
-    let uavs = lessons.len() / 2;
+fn deal(state: &StateRef<'_>, labels: &mut [f32]) {
+    let uavs = labels.len() / 2;
     // The motions of a cell, all and those dealt, are counted where its first UAV is.
     let mut all = vec![[0i32; Motion::ALL.len()]; uavs];
     let mut dealt = all.clone();
@@ -77,7 +69,7 @@ fn deal(state: &StateRef<'_>, lessons: &mut [f32]) {
         (0..uav).find(alike).unwrap_or(uav)
     };
     for uav in (0..uavs).filter(|&uav| flies(uav)) {
-        all[first(uav)][lessons[2 * uav] as usize] += 1;
+        all[first(uav)][labels[2 * uav] as usize] += 1;
     }
     for uav in (0..uavs).filter(|&uav| flies(uav)) {
         let (all, dealt) = (&all[first(uav)], &mut dealt[first(uav)]);
@@ -85,7 +77,7 @@ fn deal(state: &StateRef<'_>, lessons: &mut [f32]) {
         let behind = |motion: &usize| all[*motion] * turn - dealt[*motion] * size;
         let motion = (0..all.len()).rev().max_by_key(behind).unwrap_or(0);
         dealt[motion] += 1;
-        lessons[2 * uav] = motion as f32;
+        labels[2 * uav] = motion as f32;
     }
 }
 
@@ -105,14 +97,14 @@ mod tests {
         };
         let model = Model::new(config).unwrap();
         let mut sim = Sim::new(&model);
-        let mut teacher = Teacher::of_actions();
+        let mut teacher = Teacher::new();
         for seed in 0..20 {
             sim.reset(seed);
             let there = sim.state().hotspot_cell(0);
             for step in 0..4 {
-                let mut lessons = [9.0; 6];
-                teacher.teach(&model, sim.words(), &mut lessons);
-                let motions = [lessons[0], lessons[2], lessons[4]];
+                let mut labels = [9.0; 6];
+                teacher.teach(&model, sim.words(), &mut labels);
+                let motions = [labels[0], labels[2], labels[4]];
                 let state = sim.state();
                 for (uav, motion) in motions.into_iter().enumerate() {
                     let motion = Motion::ALL[motion as usize];
@@ -137,7 +129,7 @@ mod tests {
         }
     }
 
-    // Twelve UAVs of `squads` divide as they leave the depot. A learner that goes by the lessons
+    // Twelve UAVs of `squads` divide as they leave the depot. A learner that goes by the labels
     // has as many of each motion in each cell, and the densities of `adaptive`.
     #[test]
     fn a_fleet_that_follows_divides_as_the_teacher() {
@@ -149,8 +141,8 @@ mod tests {
         let model = Model::new(config).unwrap();
         let mut sim = Sim::new(&model);
         let mut squads = BaselineKind::Squads.build_privileged(PilotMode::Adaptive);
-        let mut teacher = Teacher::of_actions();
-        let (mut actions, mut lessons) = ([0.0; 24], [9.0; 24]);
+        let mut teacher = Teacher::new();
+        let (mut actions, mut labels) = ([0.0; 24], [9.0; 24]);
         let (mut divided, mut reordered) = (0, 0);
         for seed in 0..20 {
             sim.reset(seed);
@@ -158,14 +150,14 @@ mod tests {
                 let state = sim.state();
                 squads.reset(&model, seed);
                 squads.act(&model, &state, &mut actions);
-                teacher.teach(&model, sim.words(), &mut lessons);
+                teacher.teach(&model, sim.words(), &mut labels);
                 let mut chosen = [0.0; 24];
                 for uav in 0..12 {
                     chosen[2 * uav] =
-                        Motion::ALL[lessons[2 * uav] as usize].to_action(config.motion_map);
+                        Motion::ALL[labels[2 * uav] as usize].to_action(config.motion_map);
                     chosen[2 * uav + 1] = actions[2 * uav + 1];
                     let density = (actions[2 * uav + 1] + 1.0) / 2.0;
-                    assert_eq!(lessons[2 * uav + 1], density);
+                    assert_eq!(labels[2 * uav + 1], density);
                 }
                 for uav in 0..12 {
                     let cell = |other: &usize| state.cell(*other) == state.cell(uav);
@@ -201,9 +193,9 @@ mod tests {
         sim.reset(0);
         let dealt = |motions: [Motion; 6]| {
             let index = |motion: Motion| motion as u8 as f32;
-            let mut lessons = motions.map(|motion| [index(motion), 0.5]);
-            deal(&sim.state(), lessons.as_flattened_mut());
-            lessons.map(|lesson| Motion::ALL[lesson[0] as usize])
+            let mut labels = motions.map(|motion| [index(motion), 0.5]);
+            deal(&sim.state(), labels.as_flattened_mut());
+            labels.map(|label| Motion::ALL[label[0] as usize])
         };
         let (right, up) = (Motion::Right, Motion::Up);
         let expected = [right, up, right, right, up, right];

@@ -152,9 +152,9 @@ pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
 /// Let y be the place of a density in its range, and m the mean of the Beta. The second is
 /// −y ln m − (1 − y) ln(1 − m). The likelihood under the Beta would have no greatest value, as a
 /// teacher's densities lie at the bounds of the range.
-pub fn lesson_losses(outputs: Tensor<2>, lessons: &[f32]) -> Tensor<2> {
-    let motions = motion_densities(&outputs, lessons).log_probs.neg();
-    let places = pilots_tensor(lessons, &outputs);
+pub fn label_losses(outputs: Tensor<2>, labels: &[f32]) -> Tensor<2> {
+    let motions = motion_densities(&outputs, labels).log_probs.neg();
+    let places = pilots_tensor(labels, &outputs);
     let ab = softplus(outputs.narrow(1, MOTIONS, 2), 1.0).add_scalar(1.0);
     let shares = ab.clone() / ab.sum_dim(1);
     let targets = Tensor::cat(vec![places.clone(), places.neg().add_scalar(1.0)], 1);
@@ -184,11 +184,11 @@ mod tests {
 
     // Equal logits cost ln 5, and α = 2, β = 1 has the mean 2/3.
     #[test]
-    fn lessons_cost_their_cross_entropy() {
+    fn labels_cost_their_cross_entropy() {
         let ln_e_minus_one = (std::f32::consts::E - 1.0).ln();
         let row = [0.0, 0.0, 0.0, 0.0, 0.0, ln_e_minus_one, -40.0];
         let outputs = matrix(row.repeat(3), OUTPUT_LEN, &Device::flex());
-        let losses = values(lesson_losses(outputs, &[0.0, 0.0, 3.0, 1.0, 4.0, 0.5]));
+        let losses = values(label_losses(outputs, &[0.0, 0.0, 3.0, 1.0, 4.0, 0.5]));
         let expected = [5.0f32, 3.0, 5.0, 1.5, 5.0, 4.5f32.sqrt()].map(f32::ln);
         for (loss, expected) in losses.iter().zip(expected) {
             assert!((loss - expected).abs() < 1e-5, "{losses:?}");

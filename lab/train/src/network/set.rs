@@ -32,8 +32,6 @@ const UAV_FIELDS: usize = 6;
 const COMMON: usize = 4;
 /// Position fields, confirmed, known share, and UAVs within one, four and twelve cells.
 const TARGET_FEATURES: usize = HOTSPOT_FIELDS + 3;
-/// Of one UAV's own: position difference, known, distance, near.
-const OWN_TARGET_FEATURES: usize = 5;
 
 /// What the actor reads about the UAV itself.
 #[derive(Clone, Copy, Debug)]
@@ -75,35 +73,24 @@ impl Actor {
     }
 }
 
-/// Whose value the critic gives.
+/// What the critic reads.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Critic {
-    /// One UAV's, whose observation it sees beside the global state; else the team's.
-    pub of_uav: bool,
-    /// Fields that maps and tags add to that observation.
-    pub added: usize,
     /// Whether it reads how well the fleet covers each hotspot.
     pub cover: bool,
 }
 
 impl Critic {
-    /// Fields that are of no hotspot and of no other UAV.
-    fn common(self) -> usize {
-        COMMON + if self.of_uav { OWN + self.added } else { 0 }
-    }
-
     /// Fields of each hotspot.
     fn target_features(self) -> usize {
-        TARGET_FEATURES
-            + usize::from(self.cover)
-            + if self.of_uav { OWN_TARGET_FEATURES } else { 0 }
+        TARGET_FEATURES + usize::from(self.cover)
     }
 
     /// Widths of the parts of a row of features: what is of no hotspot and of no UAV, UAVs each
     /// with a 1, hotspots.
     pub fn widths(self, shape: &Shape) -> [usize; 3] {
         [
-            self.common(),
+            COMMON,
             (UAV_FIELDS + 1) * shape.agents,
             self.target_features() * shape.hotspots,
         ]
@@ -184,7 +171,7 @@ pub(super) fn actor_blocks(hidden: &[usize], outputs: usize, actor: Actor) -> Sh
 }
 
 pub(super) fn critic_blocks(hidden: &[usize], critic: Critic) -> Shapes {
-    let (features, common) = (critic.target_features(), critic.common());
+    let (features, common) = (critic.target_features(), COMMON);
     let mut shapes = Vec::new();
     layer(&mut shapes, "uav.0", UAV_FIELDS, UAV_WIDTH);
     layer(&mut shapes, "uav.1", UAV_WIDTH, UAV_WIDTH);
@@ -313,7 +300,7 @@ pub(super) fn critic(
     let device = weights[0].device();
     let mut weights = Weights(weights.iter());
     let [common, uavs, hotspots] = parts(features, critic.widths(shape));
-    let common = matrix(common, critic.common(), &device);
+    let common = matrix(common, COMMON, &device);
     let rows = common.dims()[0];
 
     let uavs = matrix(uavs, UAV_FIELDS + 1, &device);
@@ -423,22 +410,11 @@ mod tests {
                 fleet_size: agents > 1,
                 choices: agents > 2,
             });
-            let critic = |of_uav| {
-                let hidden = vec![16];
-                Network::new(Architecture::SetCritic {
-                    hidden,
-                    of_uav,
-                    added,
-                    cover: agents > 2,
-                })
-            };
-            let critics = [critic(false), critic(true)];
-            let [of_team, of_uav] = [shape.global_len, shape.global_len + shape.observation_len];
-            for (network, critic_length) in [
-                (&actor, None),
-                (&critics[0], Some(of_team)),
-                (&critics[1], Some(of_uav)),
-            ] {
+            let critic = Network::new(Architecture::SetCritic {
+                hidden: vec![16],
+                cover: agents > 2,
+            });
+            for (network, critic_length) in [(&actor, None), (&critic, Some(shape.global_len))] {
                 let parameters = weights(network, &mut random);
                 let rows: Vec<Vec<f32>> = (0..9)
                     .map(|_| match critic_length {
@@ -496,8 +472,6 @@ mod tests {
     fn the_critic_does_not_see_the_order_of_its_sets() {
         let architecture = Architecture::SetCritic {
             hidden: vec![16],
-            of_uav: false,
-            added: 0,
             cover: true,
         };
         let shape = shape(3, 2);

@@ -1,7 +1,7 @@
 //! Policies on disk: a folder with weights (safetensors) and a card (JSON).
 
 use super::Actor;
-use crate::error::TrainError;
+use crate::error::{FormatError, TrainError};
 use crate::network::{Architecture, Network};
 use crate::ppo::normalise::Affine;
 use crate::store::{Array, Arrays, encode, write_whole};
@@ -38,7 +38,11 @@ pub fn save(
 }
 
 /// A policy's arrays as safetensors, with what else a host without the card has to know.
-pub(super) fn weights(actor: &Actor, precision: Precision, note: &str) -> Result<Vec<u8>, String> {
+pub(super) fn weights(
+    actor: &Actor,
+    precision: Precision,
+    note: &str,
+) -> Result<Vec<u8>, FormatError> {
     let array = match precision {
         Precision::Single => Array::f32,
         Precision::Half => Array::f16,
@@ -87,9 +91,9 @@ pub(super) fn read_besides(architecture: &Architecture) -> String {
     read.map(|&(_, text)| text).collect()
 }
 
-fn read_actor(bytes: &[u8], card: &Card) -> Result<Actor, String> {
-    let architecture = Architecture::deserialize(&card.architecture)
-        .map_err(|error| format!("architecture: {error}"))?;
+fn read_actor(bytes: &[u8], card: &Card) -> Result<Actor, FormatError> {
+    let architecture =
+        Architecture::deserialize(&card.architecture).map_err(FormatError::Architecture)?;
     let network = Network::new(architecture.clone());
     let arrays = Arrays::decode(bytes)?;
     let mut parameters = Vec::with_capacity(network.parameters());
@@ -101,7 +105,7 @@ fn read_actor(bytes: &[u8], card: &Card) -> Result<Actor, String> {
             offset: arrays.f32("inputs.offset", sizes[0])?,
             scale: arrays.f32("inputs.scale", sizes[0])?,
         },
-        (_, true) => return Err("normalised_inputs: only an MLP has input statistics".to_owned()),
+        (_, true) => return Err(FormatError::Inputs),
         (_, false) => Affine::default(),
     };
     let constant_pilot = card

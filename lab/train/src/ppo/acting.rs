@@ -83,17 +83,17 @@ impl Rollout {
         read_choices(shape.row_layout(), observations, actions, uav, seen);
     }
 
-    /// Shows each UAV the lessons of the UAVs before it, in place of what they have chosen in step
+    /// Shows each UAV the labels of the UAVs before it, in place of what they have chosen in step
     /// `t`.
-    pub(super) fn show_lessons(&mut self, t: usize, network: &Network) {
+    pub(super) fn show_labels(&mut self, t: usize, network: &Network) {
         let shape = self.shape;
         let (rows, len) = (shape.rows(), shape.observation_len);
         let first = t * rows;
-        let lessons = self.lessons[2 * first..][..2 * rows].chunks_exact(2);
-        let taught: Vec<f32> = lessons
-            .flat_map(|lesson| {
+        let labels = self.labels[2 * first..][..2 * rows].chunks_exact(2);
+        let taught: Vec<f32> = labels
+            .flat_map(|label| {
                 [
-                    Motion::ALL[lesson[0] as usize].to_action(shape.motion_map),
+                    Motion::ALL[label[0] as usize].to_action(shape.motion_map),
                     0.0,
                 ]
             })
@@ -116,10 +116,10 @@ mod tests {
     use crate::random::stream;
     use crate::settings::Credit;
 
-    // Three UAVs in one cell learn to divide. Each sees the lessons of those before it, and not
+    // Three UAVs in one cell learn to divide. Each sees the labels of those before it, and not
     // what these have chosen.
     #[test]
-    fn features_show_the_lessons_before() {
+    fn features_show_the_labels_before() {
         let shape = Shape {
             environments: 1,
             agents: 3,
@@ -143,16 +143,16 @@ mod tests {
             row[9] = 1.0;
             row[12] = 1.0;
         }
-        let out = StepOut::new(shape, Credit::Teacher, false);
+        let out = StepOut::new(shape, Credit::Teacher);
         let shown = |motions: [usize; 3]| {
             let mut rollout = Rollout::new(shape, 1, &out);
             rollout.observations.clone_from(&observations);
             rollout.actor_features = vec![9.0; 3 * network.features_len(&shape)];
-            rollout.lessons = motions
+            rollout.labels = motions
                 .iter()
                 .flat_map(|&motion| [motion as f32, 0.5])
                 .collect();
-            rollout.show_lessons(0, &network);
+            rollout.show_labels(0, &network);
             let features = rollout.actor_features;
             let width = network.features_len(&shape);
             [0, 1, 2].map(|uav| features[uav * width..][..width].to_vec())
@@ -192,7 +192,7 @@ mod tests {
         parameters[14 + 3] = 0.5;
         let device = Device::flex();
         let weights = network.tensors(&parameters, &device);
-        let out = StepOut::new(shape, Credit::Teacher, false);
+        let out = StepOut::new(shape, Credit::Teacher);
         let mut random = stream(1, 0);
         let mut others = [0; 2];
         for half_deterministic in [true, false] {

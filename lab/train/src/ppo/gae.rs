@@ -5,16 +5,9 @@
 //! A *terminated* episode has no next state: V(s_{t+1}) = 0. After a *truncated* one, V(s_{t+1}) is
 //! V of its own last state, not of the next episode's first. In both cases the sum over A stops,
 //! because the next row belongs to another episode.
-//!
-//! A control variate can free δ_t of the luck of confirmations. Where the reward counts time, V is
-//! the negative time to the end. So x confirmations beyond expectation, as a share of the
-//! unconfirmed hotspots, raise V(s_{t+1}) by about −β·V(s_t)·x. Least squares over the trajectories
-//! give β, which is 1 where hovering takes all the time. β·V(s_t)·x is added to δ_t. The mean of x
-//! over the drawn detections is 0, so for a given β the mean of A_t stays what it is. That β comes
-//! from the same rows adds a bias, which falls with their number.
 
-/// Trajectories of `environments` missions side by side, every slice time-major. Rewards and values
-/// may each be the team's (T × M) or the UAVs' own (T × M·N).
+/// Trajectories of `environments` missions side by side, every slice time-major. Rewards may be the
+/// team's (T × M) or the UAVs' own (T × M·N).
 pub struct Trajectories<'a> {
     /// Missions side by side (M).
     pub environments: usize,
@@ -24,51 +17,34 @@ pub struct Trajectories<'a> {
     pub values: &'a [f32],
     /// V of the state after the step, before a reset; the same shape as `values`.
     pub next_values: &'a [f32],
-    /// Confirmations beyond expectation, as a share of the unconfirmed hotspots; T × M, or empty.
-    pub surpluses: &'a [f32],
     /// The mission ended by itself in this step.
     pub terminated: &'a [bool],
     /// The mission was cut at the horizon in this step.
     pub truncated: &'a [bool],
 }
 
-/// Returns advantages A_t and value targets A_t + V(s_t). Advantages are (T × M·N) if rewards or
-/// values are, else (T × M). Targets have the shape of the values; a team's target is the mean over
-/// its UAVs.
+/// Returns advantages A_t, as many as rewards, and value targets A_t + V(s_t), as many as values. A
+/// target is the mean over the UAVs of the team.
 pub fn advantages(trajectories: &Trajectories, discount: f32, lambda: f32) -> (Vec<f32>, Vec<f32>) {
     let &Trajectories {
         environments,
         rewards,
         values,
         next_values,
-        surpluses,
         terminated,
         truncated,
     } = trajectories;
     let missions = terminated.len();
-    let (per_reward, per_value) = (rewards.len() / missions, values.len() / missions);
-    let streams = per_reward.max(per_value);
-    // An entry of the team stands for each of its UAVs.
-    let of = |entries: &[f32], per_mission: usize, row: usize, stream: usize| {
-        entries[row * per_mission + stream % per_mission]
-    };
-    let mut deltas = vec![0.0; missions * streams];
+    let streams = rewards.len() / missions;
+    let mut deltas = vec![0.0; rewards.len()];
     for (entry, delta) in deltas.iter_mut().enumerate() {
-        let (row, stream) = (entry / streams, entry % streams);
+        let row = entry / streams;
         let next_value = if terminated[row] {
             0.0
         } else {
-            of(next_values, per_value, row, stream)
+            next_values[row]
         };
-        let value = of(values, per_value, row, stream);
-        *delta = of(rewards, per_reward, row, stream) + discount * next_value - value;
-    }
-    if !surpluses.is_empty() {
-        let luck = |entry: usize| {
-            let (row, stream) = (entry / streams, entry % streams);
-            -of(values, per_value, row, stream) * surpluses[row]
-        };
-        take_out(&mut deltas, luck);
+        *delta = rewards[entry] + discount * next_value - values[row];
     }
     let mut advantages = vec![0.0; missions * streams];
     for environment in 0..environments {
@@ -83,29 +59,12 @@ pub fn advantages(trajectories: &Trajectories, discount: f32, lambda: f32) -> (V
             }
         }
     }
-    let shared = streams / per_value;
     let targets = values
         .iter()
-        .zip(advantages.chunks_exact(shared))
-        .map(|(value, advantages)| value + advantages.iter().sum::<f32>() / shared as f32)
+        .zip(advantages.chunks_exact(streams))
+        .map(|(value, advantages)| value + advantages.iter().sum::<f32>() / streams as f32)
         .collect();
     (advantages, targets)
-}
-
-/// Takes a control variate out of δ, by the coefficient of least squares.
-fn take_out(deltas: &mut [f32], luck: impl Fn(usize) -> f32) {
-    let (mut product, mut square) = (0.0, 0.0);
-    for (entry, &delta) in deltas.iter().enumerate() {
-        let luck = f64::from(luck(entry));
-        product += luck * f64::from(delta);
-        square += luck * luck;
-    }
-    if square > 0.0 {
-        let coefficient = (product / square) as f32;
-        for (entry, delta) in deltas.iter_mut().enumerate() {
-            *delta -= coefficient * luck(entry);
-        }
-    }
 }
 
 #[cfg(test)]
@@ -134,7 +93,6 @@ mod tests {
                 rewards: &[1.0, 2.0, 3.0],
                 values: &[1.0, 2.0, 3.0],
                 next_values: &[2.0, 3.0, 4.0],
-                surpluses: &[],
                 terminated: &[false; 3],
                 truncated: &[false; 3],
             },
@@ -155,7 +113,6 @@ mod tests {
                 rewards: &[1.0, 2.0, 30.0],
                 values: &[1.0, 2.0, 3.0],
                 next_values: &[2.0, 99.0, 4.0],
-                surpluses: &[],
                 terminated: &[false, true, false],
                 truncated: &[false; 3],
             },
@@ -174,7 +131,6 @@ mod tests {
                 rewards: &[1.0, 2.0, 30.0],
                 values: &[1.0, 2.0, 3.0],
                 next_values: &[2.0, 6.0, 4.0],
-                surpluses: &[],
                 terminated: &[false; 3],
                 truncated: &[false, true, false],
             },
@@ -193,7 +149,6 @@ mod tests {
                 rewards: &[1.0, 1.0, 2.0, 2.0, 3.0, 30.0],
                 values: &[1.0, 1.0, 2.0, 2.0, 3.0, 3.0],
                 next_values: &[2.0, 2.0, 3.0, 6.0, 4.0, 4.0],
-                surpluses: &[],
                 terminated: &[false; 6],
                 truncated: &[false, false, false, true, false, false],
             },
@@ -215,7 +170,6 @@ mod tests {
                 rewards: &[1.0, 3.0, 2.0, 6.0],
                 values: &[1.0, 2.0],
                 next_values: &[2.0, 4.0],
-                surpluses: &[],
                 terminated: &[false; 2],
                 truncated: &[false, true],
             },
@@ -224,82 +178,5 @@ mod tests {
         );
         close(&advantages, &[1.5, 4.5, 2.0, 6.0]);
         close(&targets, &[4.0, 6.0]);
-    }
-
-    // With a value for each UAV, each gets the advantage that it would get alone. A team's reward
-    // counts for both.
-    #[test]
-    fn uavs_with_values_of_their_own_do_not_mix() {
-        let alone = |rewards: &[f32], values: &[f32], next_values: &[f32], environments: usize| {
-            let (terminated, truncated) = ([false; 4], [false, true, false, true]);
-            let missions = 2 * environments;
-            advantages(
-                &Trajectories {
-                    environments,
-                    rewards,
-                    values,
-                    next_values,
-                    surpluses: &[],
-                    terminated: &terminated[..missions],
-                    truncated: &truncated[..missions],
-                },
-                0.5,
-                0.5,
-            )
-        };
-        let (a, a_targets) = alone(&[1.0, 2.0], &[1.0, 2.0], &[2.0, 4.0], 1);
-        let (b, b_targets) = alone(&[3.0, 6.0], &[5.0, 1.0], &[1.0, 3.0], 1);
-        let own = &[1.0, 3.0, 2.0, 6.0];
-        let (both, targets) = alone(own, &[1.0, 5.0, 2.0, 1.0], &[2.0, 1.0, 4.0, 3.0], 1);
-        close(&both, &[a[0], b[0], a[1], b[1]]);
-        close(
-            &targets,
-            &[a_targets[0], b_targets[0], a_targets[1], b_targets[1]],
-        );
-
-        let (c, _) = alone(&[1.0, 2.0], &[5.0, 1.0], &[1.0, 3.0], 1);
-        let (both, _) = alone(&[1.0, 2.0], &[1.0, 5.0, 2.0, 1.0], &[2.0, 1.0, 4.0, 3.0], 1);
-        close(&both, &[a[0], c[0], a[1], c[1]]);
-    }
-
-    // γ = 1, λ = 1. An episode of one hotspot is confirmed with chance ½ in each step, so V = −2.
-    // Confirmed at once, or one or two steps late, its advantages are luck alone.
-    #[test]
-    fn luck_alone_is_no_advantage() {
-        let (advantages, targets) = advantages(
-            &Trajectories {
-                environments: 1,
-                rewards: &[-1.0; 6],
-                values: &[-2.0; 6],
-                next_values: &[-2.0; 6],
-                surpluses: &[0.5, -0.5, 0.5, -0.5, -0.5, 0.5],
-                terminated: &[true, false, true, false, false, true],
-                truncated: &[false; 6],
-            },
-            1.0,
-            1.0,
-        );
-        close(&advantages, &[0.0; 6]);
-        close(&targets, &[-2.0; 6]);
-    }
-
-    // δ = (0, -2) and −V·x = (1, -1), so least squares give β = (0·1 + 2·1)/2 = 1. Both steps are
-    // then slower than their values by 1.
-    #[test]
-    fn what_luck_does_not_explain_stays() {
-        let (advantages, _) = advantages(
-            &Trajectories {
-                environments: 2,
-                rewards: &[-1.0, -1.0],
-                values: &[-4.0, -4.0],
-                next_values: &[-3.0, -5.0],
-                surpluses: &[0.25, -0.25],
-                terminated: &[false; 2],
-                truncated: &[false; 2],
-            },
-            1.0,
-            1.0,
-        );
-        close(&advantages, &[-1.0, -1.0]);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::acting::ActingPolicy;
 use crate::environment::{Episode, Shape, StepOut, VectorEnvironment};
-use crate::settings::{Credit, CriticInput};
+use crate::settings::Credit;
 use rand_chacha::ChaCha8Rng;
 use std::time::{Duration, Instant};
 
@@ -27,13 +27,8 @@ pub struct Rollout {
     pub log_probs: Vec<f32>,
     /// T × M, or T × M·N where each UAV is paid its own.
     pub rewards: Vec<f32>,
-    /// Gain of each pilot density in its step, T × M·N; empty if not requested.
-    pub pilot_gains: Vec<f32>,
-    /// Confirmations beyond expectation, as a share of the unconfirmed hotspots, T × M; empty if
-    /// not requested.
-    pub surpluses: Vec<f32>,
     /// The teacher's raw actions, T × M·N × 2; empty if not requested.
-    pub lessons: Vec<f32>,
+    pub labels: Vec<f32>,
     /// T × M.
     pub terminated: Vec<bool>,
     /// T × M.
@@ -61,22 +56,18 @@ pub struct FinalState {
     pub row: usize,
     /// The global state, S.
     pub global: Vec<f32>,
-    /// The UAVs' observations, N × O.
-    pub observations: Vec<f32>,
 }
 
-/// Steps every episode of `environment` `steps` times. With `pilot_gains` the rollout also holds
-/// the gain of each pilot density in its step.
+/// Steps every episode of `environment` `steps` times.
 pub fn collect(
     environment: &mut dyn VectorEnvironment,
     policy: &ActingPolicy,
     steps: usize,
     credit: Credit,
-    pilot_gains: bool,
     random: &mut ChaCha8Rng,
 ) -> Rollout {
     let shape = environment.shape();
-    let mut out = StepOut::new(shape, credit, pilot_gains);
+    let mut out = StepOut::new(shape, credit);
     let mut rollout = Rollout::new(shape, steps, &out);
     let weights = policy.network.tensors(policy.parameters, policy.device);
     let mut actions = vec![0.0; shape.rows() * 2];
@@ -100,7 +91,7 @@ pub fn collect(
         environment.step(&actions, &mut out);
         rollout.note(t, &out);
         if credit == Credit::Teacher && policy.network.reads_choices() {
-            rollout.show_lessons(t, policy.network);
+            rollout.show_labels(t, policy.network);
         }
         rollout.simulation += started.elapsed();
     }
@@ -121,9 +112,7 @@ impl Rollout {
             raw_actions: vec![0.0; rows * 2],
             log_probs: vec![0.0; rows * 2],
             rewards: vec![0.0; steps * out.rewards.len()],
-            pilot_gains: Vec::with_capacity(steps * out.pilot_gains.len()),
-            surpluses: Vec::with_capacity(steps * out.surpluses.len()),
-            lessons: Vec::with_capacity(steps * out.lessons.len()),
+            labels: Vec::with_capacity(steps * out.labels.len()),
             terminated: vec![false; missions],
             truncated: vec![false; missions],
             final_states: Vec::new(),
@@ -151,15 +140,12 @@ impl Rollout {
         let rows = t * missions..(t + 1) * missions;
         let rewards = out.rewards.len();
         self.rewards[t * rewards..(t + 1) * rewards].copy_from_slice(&out.rewards);
-        self.pilot_gains.extend_from_slice(&out.pilot_gains);
-        self.surpluses.extend_from_slice(&out.surpluses);
-        self.lessons.extend_from_slice(&out.lessons);
+        self.labels.extend_from_slice(&out.labels);
         self.terminated[rows.clone()].copy_from_slice(&out.terminated);
         self.truncated[rows.clone()].copy_from_slice(&out.truncated);
         for (m, row) in rows.enumerate() {
             if out.truncated[m] && !out.terminated[m] {
-                let last =
-                    FinalState::of(&self.shape, row, &out.final_global, &out.final_observations);
+                let last = FinalState::of(&self.shape, row, &out.final_global);
                 self.final_states.push(last);
             }
         }
@@ -175,77 +161,25 @@ impl Rollout {
         let first = (self.steps - 1) * shape.environments;
         for row in first..first + shape.environments {
             if !self.terminated[row] && !self.truncated[row] {
-                self.final_states
-                    .push(FinalState::of(&shape, row, &global, &observations));
+                self.final_states.push(FinalState::of(&shape, row, &global));
             }
         }
     }
 
-    /// Rows that the critic values: one for each mission and step, or one for each UAV in it.
-    pub fn critic_rows(&self, input: CriticInput) -> usize {
-        match input {
-            CriticInput::State => self.missions(),
-            CriticInput::StateAndUav => self.rows(),
-        }
-    }
-
-    /// Appends the critic's input of one of its rows.
-    pub fn write_critic_row(&self, input: CriticInput, row: usize, out: &mut Vec<f32>) {
-        let Shape {
-            agents,
-            global_len,
-            observation_len,
-            ..
-        } = self.shape;
-        match input {
-            CriticInput::State => {
-                out.extend_from_slice(&self.global[row * global_len..][..global_len])
-            }
-            CriticInput::StateAndUav => {
-                out.extend_from_slice(&self.global[row / agents * global_len..][..global_len]);
-                let observation = &self.observations[row * observation_len..][..observation_len];
-                out.extend_from_slice(observation);
-            }
-        }
-    }
-
-    /// The critic's inputs of all its rows.
-    pub fn critic_inputs(&self, input: CriticInput) -> Vec<f32> {
-        let rows = self.critic_rows(input);
-        let mut out = Vec::with_capacity(rows * input.len(&self.shape));
-        for row in 0..rows {
-            self.write_critic_row(input, row, &mut out);
-        }
-        out
-    }
-
-    /// The critic's inputs of the final states, one after the other.
-    pub fn final_inputs(&self, input: CriticInput) -> Vec<f32> {
-        let mut out = Vec::new();
-        for last in &self.final_states {
-            match input {
-                CriticInput::State => out.extend_from_slice(&last.global),
-                CriticInput::StateAndUav => {
-                    for observation in last.observations.chunks_exact(self.shape.observation_len) {
-                        out.extend_from_slice(&last.global);
-                        out.extend_from_slice(observation);
-                    }
-                }
-            }
-        }
-        out
+    /// The global states of the final states, one after the other.
+    pub fn final_inputs(&self) -> Vec<f32> {
+        let states = self.final_states.iter();
+        states.flat_map(|last| &last.global).copied().collect()
     }
 
     /// V(s_{t+1}) of every row, from the values of all rows and of the final states.
     pub fn next_values(&self, values: &[f32], final_values: &[f32]) -> Vec<f32> {
-        let per_mission = values.len() / self.missions();
-        let later = self.shape.environments * per_mission;
+        let later = self.shape.environments;
         let mut next: Vec<f32> = (0..values.len())
             .map(|row| values.get(row + later).copied().unwrap_or(0.0))
             .collect();
-        let final_values = final_values.chunks_exact(per_mission);
-        for (last, values) in self.final_states.iter().zip(final_values) {
-            next[last.row * per_mission..][..per_mission].copy_from_slice(values);
+        for (last, &value) in self.final_states.iter().zip(final_values) {
+            next[last.row] = value;
         }
         next
     }
@@ -253,23 +187,11 @@ impl Rollout {
 
 impl FinalState {
     /// From the states of all missions in the step that `row` belongs to.
-    fn of(shape: &Shape, row: usize, global: &[f32], observations: &[f32]) -> FinalState {
+    fn of(shape: &Shape, row: usize, global: &[f32]) -> FinalState {
         let m = row % shape.environments;
-        let own = shape.agents * shape.observation_len;
         FinalState {
             row,
             global: global[m * shape.global_len..(m + 1) * shape.global_len].to_vec(),
-            observations: observations[m * own..(m + 1) * own].to_vec(),
-        }
-    }
-}
-
-impl CriticInput {
-    /// Fields of a row.
-    pub fn len(self, shape: &Shape) -> usize {
-        match self {
-            CriticInput::State => shape.global_len,
-            CriticInput::StateAndUav => shape.global_len + shape.observation_len,
         }
     }
 }

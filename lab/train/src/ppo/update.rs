@@ -5,11 +5,10 @@
 
 use crate::environment::Shape;
 use crate::head::LearningHead;
-use crate::head::hybrid::lesson_losses;
+use crate::head::hybrid::label_losses;
 use crate::network::{Network, flat_gradient, matrix, values};
 use crate::ppo::adam::Adam;
 use crate::ppo::rollout::Rollout;
-use crate::settings::CriticInput;
 use burn_tensor::{Device, Tensor};
 use jcas_policy::head::Head;
 use rand::seq::SliceRandom;
@@ -67,19 +66,8 @@ pub struct ActorObjective {
     pub clip: f32,
     /// Share of rows to visit.
     pub sample_fraction: f64,
-    /// What trains pilot densities.
-    pub pilots: PilotObjective,
-}
-
-/// What trains pilot densities.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PilotObjective {
-    /// Nothing: the density is constant, and only motions are trained.
-    Held,
-    /// Their advantages.
-    Judged,
-    /// The teacher's densities.
-    Taught,
+    /// Whether the pilot density is constant, so that motions alone are trained.
+    pub motions_only: bool,
 }
 
 impl ActorObjective {
@@ -93,10 +81,6 @@ impl ActorObjective {
 /// The critic's objective.
 #[derive(Clone, Copy, Debug)]
 pub struct CriticObjective {
-    /// Input of the critic.
-    pub input: CriticInput,
-    /// Share of rows to visit.
-    pub sample_fraction: f64,
     /// Value units (offset, scale): a value is the output times scale, plus offset.
     pub units: (f32, f32),
 }
@@ -216,8 +200,8 @@ impl Learner<'_> {
                 minibatch
                     .par_iter()
                     .zip(&scales)
-                    .map(|(shard, scales)| {
-                        self.actor_gradient(network, weights, head, objective, shard, scales, rows)
+                    .map(|(shard, &scale)| {
+                        self.actor_gradient(network, weights, head, objective, shard, scale, rows)
                     })
                     .collect()
             },
@@ -235,56 +219,46 @@ impl Learner<'_> {
         let shards = self.actor_shards(objective, step, random);
         self.run_minibatches_by_shard(actor, &shards, step, |network, weights, shard, rows| {
             let (weights, outputs) = self.outputs(network, weights, shard, |r| &r.actor_features);
-            let losses = lesson_losses(outputs, &self.gather(shard, 2, |r| &r.lessons));
-            let taught = if objective.pilots == PilotObjective::Held {
-                1
-            } else {
-                2
-            };
+            let losses = label_losses(outputs, &self.gather(shard, 2, |r| &r.labels));
+            let taught = if objective.motions_only { 1 } else { 2 };
             let loss = losses.narrow(1, 0, taught).sum().div_scalar(rows as f64);
             finish(network, &weights, loss, shard.len(), rows)
         })
     }
 
-    /// For each shard, mean and standard deviation of each of the advantages of all the minibatch's
-    /// rows that come from missions like its own.
-    fn advantage_scales(&self, minibatch: &[Shard]) -> Vec<Vec<(f32, f32)>> {
-        let mut scales: Vec<Vec<(f32, f32)>> = Vec::with_capacity(minibatch.len());
+    /// For each shard, mean and standard deviation of the advantages of all the minibatch's rows that
+    /// come from missions like its own.
+    fn advantage_scales(&self, minibatch: &[Shard]) -> Vec<(f32, f32)> {
+        let mut scales: Vec<(f32, f32)> = Vec::with_capacity(minibatch.len());
         for shard in minibatch {
             let alike = |other: &&Shard| self.shape(other) == self.shape(shard);
             let first = minibatch.iter().position(|other| alike(&other));
-            let known = first.and_then(|first| scales.get(first)).cloned();
-            let rows = || minibatch.iter().filter(alike).flatten();
-            scales.push(known.unwrap_or_else(|| self.scales_of(rows)));
+            let known = first.and_then(|first| scales.get(first)).copied();
+            let rows = minibatch.iter().filter(alike).flatten();
+            scales.push(known.unwrap_or_else(|| self.scale_of(rows)));
         }
         scales
     }
 
-    /// Mean and standard deviation of each of the advantages of these rows.
-    fn scales_of<'r, R: Iterator<Item = &'r Row>>(&self, rows: impl Fn() -> R) -> Vec<(f32, f32)> {
-        let columns = rows().next().map_or(0, |&row| self.advantages(row).count());
-        let scale = |column: usize| {
-            let (mut count, mut sum, mut square) = (0.0, 0.0, 0.0);
-            for &row in rows() {
-                let advantage = f64::from(self.advantages(row).nth(column).unwrap_or(0.0));
-                count += 1.0;
-                sum += advantage;
-                square += advantage * advantage;
-            }
-            let mean = sum / count;
-            let deviation = (square / count - mean * mean).max(0.0).sqrt();
-            (mean as f32, deviation as f32 + 1e-8)
-        };
-        (0..columns).map(scale).collect()
+    /// Mean and standard deviation of the advantages of these rows.
+    fn scale_of<'r>(&self, rows: impl Iterator<Item = &'r Row>) -> (f32, f32) {
+        let (mut count, mut sum, mut square) = (0.0, 0.0, 0.0);
+        for &row in rows {
+            let advantage = f64::from(self.advantage(row));
+            count += 1.0;
+            sum += advantage;
+            square += advantage * advantage;
+        }
+        let mean = sum / count;
+        let deviation = (square / count - mean * mean).max(0.0).sqrt();
+        (mean as f32, deviation as f32 + 1e-8)
     }
 
-    /// A UAV's advantage, or its team's where all share one; and its pilot density's own, where it
-    /// has one.
-    fn advantages(&self, (rollout, row): Row) -> impl Iterator<Item = f32> {
+    /// A UAV's advantage, or its team's where all share one.
+    fn advantage(&self, (rollout, row): Row) -> f32 {
         let rollout = &self.rollouts[rollout as usize];
         let shared = rollout.rows() / rollout.advantages.len();
-        let own = rollout.pilot_gains.get(row as usize).copied();
-        std::iter::once(rollout.advantages[row as usize / shared]).chain(own)
+        rollout.advantages[row as usize / shared]
     }
 
     #[allow(clippy::too_many_arguments)] // one shard's share of one objective
@@ -295,7 +269,7 @@ impl Learner<'_> {
         head: Head,
         objective: &ActorObjective,
         shard: &Shard,
-        scales: &[(f32, f32)],
+        (mean, deviation): (f32, f32),
         minibatch_rows: usize,
     ) -> (Vec<f32>, UpdateStats) {
         let (weights, outputs) = self.outputs(network, weights, shard, |r| &r.actor_features);
@@ -303,33 +277,20 @@ impl Learner<'_> {
         let old = matrix(self.gather(shard, 2, |r| &r.log_probs), 2, self.device);
         let advantages = shard
             .iter()
-            .flat_map(|&row| self.advantages(row).zip(scales))
-            .map(|(advantage, (mean, deviation))| (advantage - mean) / deviation)
+            .map(|&row| (self.advantage(row) - mean) / deviation)
             .collect();
-        let advantages = matrix(advantages, scales.len(), self.device);
+        let advantages = matrix(advantages, 1, self.device);
 
-        let lesson_loss = (objective.pilots == PilotObjective::Taught).then(|| {
-            let losses = lesson_losses(outputs.clone(), &self.gather(shard, 2, |r| &r.lessons));
-            losses.narrow(1, 1, 1).sum()
-        });
-        let (densities, old) = if objective.pilots == PilotObjective::Judged {
-            (head.densities(outputs, &raw), old)
-        } else {
+        let (densities, old) = if objective.motions_only {
             (head.motion_densities(outputs, &raw), old.narrow(1, 0, 1))
+        } else {
+            (head.densities(outputs, &raw), old)
         };
-        let log_ratios = densities.log_probs - old;
-        let log_ratio = match scales {
-            [_] => log_ratios.sum_dim(1),
-            _ => log_ratios,
-        };
+        let log_ratio = (densities.log_probs - old).sum_dim(1);
         let ratio = log_ratio.clone().exp();
         let gain = objective.gain(ratio, advantages);
         let entropy = densities.entropies.sum_dim(1);
-        let mut loss = gain.sum().neg();
-        if let Some(lesson_loss) = lesson_loss {
-            loss = loss + lesson_loss;
-        }
-        let loss = loss.div_scalar(minibatch_rows as f64);
+        let loss = gain.sum().neg().div_scalar(minibatch_rows as f64);
 
         let mut sums = UpdateStats {
             rows: shard.len() as f64,
@@ -339,7 +300,7 @@ impl Learner<'_> {
             let ratio = log_ratio.exp();
             sums.kl += f64::from(ratio - 1.0 - log_ratio);
             let clipped = u8::from((ratio - 1.0).abs() > objective.clip);
-            sums.clipped += f64::from(clipped) / scales.len() as f64;
+            sums.clipped += f64::from(clipped);
         }
         sums.entropy += values(entropy).into_iter().map(f64::from).sum::<f64>();
         let gradients = loss.backward();
@@ -356,15 +317,12 @@ impl Learner<'_> {
         random: &mut ChaCha8Rng,
     ) -> UpdateStats {
         let &CriticObjective {
-            input,
-            sample_fraction,
             units: (offset, scale),
         } = objective;
-        let rows_of = |rollout: &Rollout| rollout.critic_rows(input);
         let shards = shards(
             self.rollouts,
-            rows_of,
-            sample_fraction,
+            Rollout::missions,
+            1.0,
             step.shard_rows,
             random,
         );
@@ -496,7 +454,7 @@ mod tests {
         let objective = ActorObjective {
             clip: 0.2,
             sample_fraction: 1.0,
-            pilots: PilotObjective::Judged,
+            motions_only: false,
         };
         let row = |values: [f32; 4]| matrix(values.to_vec(), 4, &device);
         let ratio = row([2.0, 2.0, 0.5, 0.5]).require_grad();
@@ -514,7 +472,7 @@ mod tests {
             agents,
             ..Shape::default()
         };
-        let out = StepOut::new(shape, Credit::Uav, false);
+        let out = StepOut::new(shape, Credit::Uav);
         let mut rollout = Rollout::new(shape, 2, &out);
         rollout.advantages = advantages;
         rollout
@@ -536,6 +494,6 @@ mod tests {
             vec![(1, 1), (1, 3)],
         ];
         let scales = learner.advantage_scales(&minibatch);
-        assert_eq!(scales, [[(200.0, 100.0)], [(2.0, 1.0)], [(2.0, 1.0)]]);
+        assert_eq!(scales, [(200.0, 100.0), (2.0, 1.0), (2.0, 1.0)]);
     }
 }

@@ -1,6 +1,6 @@
 //! The sets of settings that have a name.
 
-use super::{Credit, CriticInput, Curriculum, NetworkKind, Settings, Shaping};
+use super::{Credit, NetworkKind, Settings, Shaping};
 use crate::ppo::schedule::Schedule;
 use jcas_core::reward::NAMES;
 use jcas_policy::head::Head;
@@ -11,32 +11,15 @@ use std::collections::BTreeMap;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Preset {
-    /// The paper's table; what it leaves open is RLlib's habit.
+    /// The paper's table; what it leaves open is the choice of this trainer.
     Paper,
     /// What the measurements kept.
     Tuned,
-    /// The same for missions whose radar detects in the own cell only: it is eased in, and pilot
-    /// densities are judged by their own step.
+    /// Imitation of the baseline `squads`, for a radar that detects in the own cell only.
     Mission,
     /// UAVs that choose in turn, for whom a step costs one and nothing else counts. For a policy
     /// that ends its episodes already.
     Time,
-}
-
-impl std::str::FromStr for Preset {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Preset, String> {
-        match name {
-            "paper" => Ok(Preset::Paper),
-            "tuned" => Ok(Preset::Tuned),
-            "mission" => Ok(Preset::Mission),
-            "time" => Ok(Preset::Time),
-            _ => Err(format!(
-                "training preset: {name:?} is not one of paper, tuned, mission, time"
-            )),
-        }
-    }
 }
 
 impl Settings {
@@ -57,7 +40,6 @@ impl Settings {
             network: NetworkKind::Mlp,
             actor_hidden: vec![512, 256, 128],
             critic_hidden: vec![512, 256, 128],
-            critic_input: CriticInput::State,
             normalise_values: false,
             environments: 64,
             workers: 8,
@@ -70,13 +52,11 @@ impl Settings {
             learning_rate: 3e-4,
             schedule: Schedule::Constant,
             clip: 0.2,
-            kl_target: None,
             discount: 0.95,
             gae_lambda: 0.95,
             credit: Credit::Team,
             constant_pilot: None,
             config_overrides: BTreeMap::new(),
-            curriculum: None,
             shaping: Shaping::default(),
             evaluation_episodes: 100,
         }
@@ -116,26 +96,19 @@ impl Settings {
                 ]),
                 time_penalty: 0.3,
                 informing: 5.0,
-                ..Shaping::default()
             },
             ..Settings::paper()
         }
     }
 
     fn mission() -> Settings {
-        let mut settings = Settings::tuned();
-        let shaping = &mut settings.shaping;
-        shaping.factors.insert("energy".to_owned(), 10.0);
-        shaping.detection = 60.0;
         Settings {
-            total_steps: 400 * 5120,
-            curriculum: Some(Curriculum {
-                threshold_db: -10.0,
-                batches: 100,
-                stages: 25,
-            }),
-            kl_target: Some(0.05),
-            ..settings
+            total_steps: 45 * 25_600,
+            minibatch_rows: 1024,
+            learning_rate: 1e-3,
+            credit: Credit::Teacher,
+            config_overrides: BTreeMap::from([("horizon_steps".to_owned(), 300.into())]),
+            ..Settings::time()
         }
     }
 

@@ -8,7 +8,7 @@ use jcas_policy::head::Head;
 use jcas_train::metrics::Row;
 use jcas_train::policy::files::Precision;
 use jcas_train::run::{Observer, RunSpec, Start};
-use jcas_train::settings::{Curriculum, NetworkKind, Preset, Settings, Shaping};
+use jcas_train::settings::{NetworkKind, Preset, Settings, Shaping};
 
 fn settings(network: NetworkKind) -> Settings {
     Settings {
@@ -26,16 +26,9 @@ fn settings(network: NetworkKind) -> Settings {
         normalise_values: true,
         evaluation_episodes: 2,
         shaping: Shaping {
-            detection: 1.0,
             informing: 1.0,
             ..Shaping::default()
         },
-        // The radar changes before the third and before the fourth batch.
-        curriculum: Some(Curriculum {
-            threshold_db: -10.0,
-            batches: 3,
-            stages: 2,
-        }),
         ..Settings::preset(Preset::Paper)
     }
 }

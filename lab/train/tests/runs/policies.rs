@@ -5,7 +5,7 @@ use burn_tensor::Device;
 use jcas_core::{Config, Model, MotionMap};
 use jcas_episode::card;
 use jcas_policy::Policy;
-use jcas_policy::head::{Head, Mode};
+use jcas_policy::head::Mode;
 use jcas_policy::network::choices::read_choices;
 use jcas_policy::network::row::RowLayout;
 use jcas_train::draw::draw;
@@ -13,7 +13,7 @@ use jcas_train::network::{Architecture, values};
 use jcas_train::policy::files::{self, Precision};
 use jcas_train::policy::{Actor, shape_of};
 use jcas_train::run::{NoObserver, Start};
-use jcas_train::settings::{NetworkKind, Settings};
+use jcas_train::settings::NetworkKind;
 use std::path::Path;
 
 fn observations(model: &Model<'static>) -> Vec<f32> {

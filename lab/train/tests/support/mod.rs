@@ -6,6 +6,7 @@
 use jcas_core::MotionMap;
 use jcas_core::action::motion;
 use jcas_train::environment::{Episode, Shape, StepOut, VectorEnvironment};
+use jcas_train::error::FormatError;
 use jcas_train::random::stream;
 use rand::RngExt;
 
@@ -150,8 +151,6 @@ impl VectorEnvironment for Beacon {
                     mission,
                     &mut out.final_global[m * global_len..(m + 1) * global_len],
                 );
-                let rows = m * self.agents * FIELDS..(m + 1) * self.agents * FIELDS;
-                Beacon::write_observations(mission, &mut out.final_observations[rows]);
                 out.finished.push(Episode {
                     return_sum: mission.return_sum,
                     success: reward == 1.0,
@@ -169,8 +168,8 @@ impl VectorEnvironment for Beacon {
         serde_json::to_vec(&self.missions).expect("plain data serialises")
     }
 
-    fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
-        self.missions = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+    fn load(&mut self, bytes: &[u8]) -> Result<(), FormatError> {
+        self.missions = serde_json::from_slice(bytes)?;
         Ok(())
     }
 }

@@ -52,34 +52,17 @@ pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) ->
 }
 
 /// The critic's features of global states (rows × 6N + 4n + 4), laid out as in
-/// [`Critic::widths`]. A UAV's observation follows each state if the critic values single UAVs.
+/// [`Critic::widths`].
 pub(in crate::network) fn overseen(rows: &[f32], shape: &Shape, critic: Critic) -> Vec<f32> {
     let (agents, n) = (shape.agents, shape.hotspots);
-    let state_length = UAV_FIELDS * agents + HOTSPOT_FIELDS * n + COMMON;
-    let length = state_length
-        + if critic.of_uav {
-            shape.observation_len
-        } else {
-            0
-        };
+    let length = UAV_FIELDS * agents + HOTSPOT_FIELDS * n + COMMON;
     let count = rows.len() / length;
     let cells = shape.position_cells();
     let mut out = Vec::with_capacity(count * critic.widths(shape).iter().sum::<usize>());
     for row in rows.chunks_exact(length) {
-        let (state, observation) = row.split_at(state_length);
-        let (uavs, rest) = state.split_at(UAV_FIELDS * agents);
+        let (uavs, rest) = row.split_at(UAV_FIELDS * agents);
         let (hotspots, common) = rest.split_at(HOTSPOT_FIELDS * n);
         out.extend_from_slice(common);
-        let mut own_targets = [].as_slice();
-        if critic.of_uav {
-            let (head, rest) = observation.split_at(OWN_FIRST);
-            let (targets, rest) = rest.split_at(HOTSPOT_FIELDS * n);
-            let tail = &rest[SLOT_FIELDS * shape.neighbour_slots..];
-            out.extend_from_slice(head);
-            out.extend_from_slice(tail);
-            own_targets = targets;
-        }
-        let mut own_targets = own_targets.chunks_exact(HOTSPOT_FIELDS);
         for uav in uavs.chunks_exact(UAV_FIELDS) {
             out.extend_from_slice(uav);
             out.push(1.0);
@@ -98,16 +81,6 @@ pub(in crate::network) fn overseen(rows: &[f32], shape: &Shape, critic: Critic) 
             out.extend(near.map(|sum| sum / CROWD));
             if critic.cover {
                 out.push(covered / CROWD);
-            }
-            if let Some(own) = own_targets.next() {
-                let far = distance(own[0], own[1], cells);
-                out.extend_from_slice(&[
-                    own[0],
-                    own[1],
-                    own[3],
-                    far / (2.0 * cells[0]),
-                    nearness(far, 4.0),
-                ]);
             }
         }
     }

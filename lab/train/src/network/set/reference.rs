@@ -236,22 +236,15 @@ fn weighted(scores: &[f32], embedded: &[Vec<f32>]) -> Vec<f32> {
     (0..embedded[0].len()).map(mean).collect()
 }
 
-/// The critic's output for one global state, with or without an observation of a UAV after it.
+/// The critic's output for one global state.
 pub fn critic(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) -> Vec<f32> {
     let Architecture::SetCritic { cover, .. } = network.architecture else {
         panic!("a critic over sets");
     };
     let mut blocks = Blocks::of(network, parameters);
     let (uavs, rest) = row.split_at(UAV_FIELDS * shape.agents);
-    let (hotspots, rest) = rest.split_at(HOTSPOT_FIELDS * shape.hotspots);
-    let (common, observation) = rest.split_at(COMMON);
-    let slots_first = OWN_FIRST + HOTSPOT_FIELDS * shape.hotspots;
-    let tail_first = slots_first + SLOT_FIELDS * shape.neighbour_slots;
-    let own = match observation.len() {
-        0 => Vec::new(),
-        _ => [&observation[..OWN_FIRST], &observation[tail_first..]].concat(),
-    };
-    let common = &[common, &own].concat()[..];
+    let (hotspots, common) = rest.split_at(HOTSPOT_FIELDS * shape.hotspots);
+    assert_eq!(common.len(), COMMON);
     let uavs = || uavs.chunks_exact(UAV_FIELDS);
 
     let (first, second) = (blocks.linear(), blocks.linear());
@@ -264,8 +257,7 @@ pub fn critic(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape)
     let context = context(&[common, &fleet].concat());
     let embedded: Vec<_> = hotspots
         .chunks_exact(HOTSPOT_FIELDS)
-        .enumerate()
-        .map(|(index, hotspot)| {
+        .map(|hotspot| {
             let place = [hotspot[0], hotspot[1]];
             let count = |reach: f32| -> f32 {
                 let each = uavs().map(|uav| near(apart(place, [uav[0], uav[1]], shape), reach));
@@ -275,12 +267,6 @@ pub fn critic(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape)
             if cover {
                 let each = uavs().map(|uav| detection(place, [uav[0], uav[1]], shape));
                 features.push(each.sum::<f32>() / CROWD);
-            }
-            if !own.is_empty() {
-                let seen = &observation[OWN_FIRST + HOTSPOT_FIELDS * index..];
-                let far = apart([seen[0], seen[1]], [0.0; 2], shape);
-                features.extend([seen[0], seen[1], seen[3]]);
-                features.extend([far / (2.0 * shape.position_cells()[0]), near(far, 4.0)]);
             }
             relu(&second(&relu(&plus(&first(&features), &context))))
         })
