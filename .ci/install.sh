@@ -15,7 +15,7 @@ PACKAGES=(
     # a microcontroller
     qemu-system-arm
     # programs for Windows, and the comparison of binary interfaces
-    gcc-mingw-w64-x86-64 wine64 abigail-tools
+    gcc-mingw-w64-x86-64 wine64
     # figures and the replay page
     libfontconfig-dev fonts-dejavu-core chromium
     # the C reference of the documentation site

@@ -3,7 +3,7 @@
 set -euo pipefail
 
 cargo fmt --all --check
-for crate in api cortex_m no_std portable; do
+for crate in cortex_m no_std portable; do
     cargo fmt --check --manifest-path tests/$crate/Cargo.toml
 done
 cargo clippy --locked --quiet --workspace --all-targets -- -D warnings

@@ -168,14 +168,14 @@ fn a_sweep_does_not_go_on_with_another_policy_of_the_same_name() {
         "2",
         "--no-figures",
     ];
-    take("fleet");
+    take("mission");
     succeed(folder.path(), &sweep);
     let table = folder.path().join("out/results.csv");
     let whole = fs::read(&table).unwrap();
     succeed(folder.path(), &sweep);
     assert_eq!(fs::read(&table).unwrap(), whole);
 
-    take("endurance");
+    take("paper");
     let output = jcas(folder.path(), &sweep);
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{told}");

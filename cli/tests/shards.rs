@@ -241,7 +241,7 @@ fn an_incomplete_shard_is_refused_and_goes_on() {
     refuse_merge(
         folder.path(),
         &shards,
-        &["out/shard-2-of-2.csv", "row of another sweep"],
+        &["out/shard-2-of-2.csv", "a cell that is none here"],
     );
 
     fs::write(&table, format!("{}\n{}\n", lines[0], lines[2])).unwrap();

@@ -62,9 +62,6 @@ macro_rules! configuration {
             /// Number of fields.
             pub const FIELD_COUNT: usize = [$( stringify!($name) ),+].len();
 
-            /// The default, for comparisons with it.
-            const DEFAULT: &Self = &Self::MISSION;
-
             /// Name, unit, bounds and meaning of each field, in the order of the record.
             pub const FIELDS: [FieldInfo; Self::FIELD_COUNT] = [
                 $( FieldInfo {
@@ -344,45 +341,29 @@ impl Config {
         }
     }
 
-    /// Position in [`Config::FIELDS`] from which on texts and fingerprints hold a field only where
-    /// it differs from its default. So a configuration without the later fields keeps its text and
-    /// its fingerprint, and traces and policies from before stay valid.
-    pub const LATER_FIELDS: usize = 66;
-
-    /// Description and value of each field that a text of this configuration holds, in order.
-    pub fn held(&self) -> impl Iterator<Item = (&'static FieldInfo, FieldValue<'_>)> {
+    /// Description and value of each field that a text of this configuration states, in order: all
+    /// but those that are derived from others, for which TOML has no value.
+    pub fn stated(&self) -> impl Iterator<Item = (&'static FieldInfo, FieldValue<'_>)> {
         let fields = Self::FIELDS.iter().zip(self.values());
-        let defaults = Self::DEFAULT.values();
-        let held = fields.zip(defaults).enumerate();
-        held.filter(|(index, ((_, value), default))| {
-            !value.is_derived() && (*index < Self::LATER_FIELDS || value != default)
-        })
-        .map(|(_, (field, _))| field)
+        fields.filter(|(_, value)| !value.is_derived())
     }
 
-    /// FNV-1a hash, which is equal for configurations that are equal field by field.
+    /// FNV-1a hash of every field, which is equal for configurations that are equal field by field.
     #[must_use]
     pub fn hash(&self) -> u64 {
         let mut hash = Fnv1a::new();
-        let (values, defaults) = (self.values(), Self::DEFAULT.values());
-        for (index, value) in values.iter().enumerate() {
-            if index >= Self::LATER_FIELDS {
-                if *value == defaults[index] {
-                    continue;
-                }
-                hash.write(Self::FIELDS[index].name.as_bytes());
-            }
+        for value in self.values() {
             value.write(&mut hash);
         }
         hash.finish()
     }
 }
 
-/// Writes the fields that a text holds, see [`Config::held`].
+/// Writes the fields that a text states, see [`Config::stated`].
 #[cfg(feature = "serde")]
 impl serde::Serialize for Config {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.held().map(|(info, value)| (info.name, value)))
+        serializer.collect_map(self.stated().map(|(info, value)| (info.name, value)))
     }
 }
 
@@ -390,25 +371,41 @@ impl serde::Serialize for Config {
 mod tests {
     use super::*;
 
-    /// A field before this one would change every text and fingerprint.
     #[test]
-    fn the_last_field_that_is_always_held_stays_in_its_place() {
-        assert_eq!(
-            Config::FIELDS[Config::LATER_FIELDS - 1].name,
-            "sensing_range_m"
-        );
-        // The fingerprint of the default before there were later fields.
-        assert_eq!(Config::default().hash(), 0xb02b_f031_d65f_c071);
+    fn each_field_has_a_part_in_the_hash() {
+        let config = Config::default();
+        let changed = [
+            Config {
+                grid_width: 13,
+                ..config
+            },
+            Config {
+                range_min_m: Some(0.0),
+                ..config
+            },
+            Config {
+                depots: Depots::one(Cell { x: 6, y: 6 }),
+                ..config
+            },
+            Config {
+                motion_map: MotionMap::Symmetric,
+                ..config
+            },
+        ];
+        for changed in changed {
+            assert_ne!(changed.hash(), config.hash());
+        }
     }
 
     #[test]
-    fn a_later_field_is_held_where_it_differs_from_its_default() {
-        let held = |config: &Config| config.held().any(|(info, _)| info.name == "pilot_gain");
-        let coherent = Config {
-            pilot_gain: PilotGain::Coherent,
-            ..Config::default()
-        };
-        assert!(!held(&Config::default()) && held(&coherent));
-        assert_ne!(coherent.hash(), Config::default().hash());
+    fn a_text_states_every_field_that_is_not_derived() {
+        let config = Config::default();
+        let stated = config.stated().count();
+        let derived = config
+            .values()
+            .into_iter()
+            .filter(|value| value.is_derived());
+        assert_eq!(stated + derived.count(), Config::FIELD_COUNT);
+        assert!(config.stated().any(|(info, _)| info.name == "motion_map"));
     }
 }

@@ -215,10 +215,8 @@ fn lines_of_a_host_are_read_strictly() {
     assert!(told.contains("must be step, end or a call"), "{told}");
     let told = refused("\"uav\":2}", "\"uav\":2,\"why\":1}");
     assert!(told.contains("unknown field"), "{told}");
-    let told = refused("\"format_version\":2", "\"format_version\":1");
-    assert!(told.contains("kind = \"set_starts\""), "{told}");
-    let told = refused("\"format_version\":2", "\"format_version\":3");
-    assert!(told.contains("reads versions 1 to 2"), "{told}");
+    let told = refused("\"format_version\":1", "\"format_version\":3");
+    assert!(told.contains("format_version = 3: must be 1"), "{told}");
     let told = refused(
         "{\"kind\":\"end\"",
         "{\"kind\":\"ground\",\"uav\":1}\n{\"kind\":\"end\"",

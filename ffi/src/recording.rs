@@ -137,7 +137,6 @@ impl Recording {
         };
         let hashes = recording.hashes(model, words, scratch)?;
         recording.writer.line(&HeaderLine {
-            version: trace::FORMAT_VERSION,
             core_version: &jcas_core::VERSION,
             policy: &Escaped(policy),
             pilot: &Escaped(pilot),

@@ -295,7 +295,7 @@ static void fill_sink(jcas_sim *sim, jcas_recorder recorder, struct text *text)
     EXPECT(JCAS_ERROR_CORRUPT, verify(text->bytes, text->length, NULL, 0));
 }
 
-static const char ILLEGAL[] = "{\"kind\":\"header\",\"format\":\"jcas-trace\",\"format_version\":2,"
+static const char ILLEGAL[] = "{\"kind\":\"header\",\"format\":\"jcas-trace\",\"format_version\":1,"
                               "\"core_version\":\"0.1.0\",\"config\":{\"uav_count\":0},";
 
 static void abuse(jcas_model *model, jcas_sim *sim, jcas_recorder recorder,

@@ -34,7 +34,7 @@ record link_on_threshold --uavs 8 --hotspots 6 --policy random --pilot max \
 record hidden_targets --uavs 9 --hotspots 4 --policy line --pilot adaptive \
     --set target_visibility=hidden --set radar_cross_section_dbsm=10
 record symmetric_motions --uavs 5 --hotspots 3 --policy greedy --pilot max \
-    --set motion_map=symmetric --set radar_cross_section_dbsm=10 --set horizon_steps=30
+    --set motion_map=symmetric --set radar_cross_section_dbsm=10 --set horizon_steps=30 --episode 3
 record one_uav --uavs 1 --hotspots 4 --policy greedy --pilot max \
     --set quorum=1 --set radar_cross_section_dbsm=10
 record several_depots --uavs 8 --hotspots 5 --policy teams --pilot adaptive \

@@ -9,8 +9,8 @@ use jcas_core::{
 
 use crate::number::Real;
 
-/// The version of the format that is written.
-pub const FORMAT_VERSION: u32 = 2;
+/// The version of the format.
+pub const FORMAT_VERSION: u32 = 1;
 /// The separator between the bytes under the checksum and the checksum.
 pub(crate) const CHECKSUM: &str = ",\"checksum\":\"0x";
 
@@ -57,8 +57,6 @@ impl Display for Hashes {
 /// The first line, of a state at t = 0.
 #[derive(Clone, Copy)]
 pub struct HeaderLine<'a> {
-    /// The version of the format; [`FORMAT_VERSION`] in a new file.
-    pub version: u32,
     /// Version of the kernel.
     pub core_version: &'a dyn Display,
     /// Name of the policy, as JSON has it between quotes ([`Escaped`]).
@@ -123,7 +121,7 @@ impl Display for HeaderLine<'_> {
             out,
             "{{\"kind\":\"header\",\"format\":\"jcas-trace\",\"format_version\":{},\
              \"core_version\":\"{}\",\"config\":",
-            self.version, self.core_version
+            FORMAT_VERSION, self.core_version
         )?;
         config(out, model.config())?;
         write!(
@@ -243,11 +241,8 @@ impl Display for EndLine {
         ] {
             write!(out, ",\"{name}\":{}", Real(value))?;
         }
-        if metrics.false_confirmations > 0 {
-            let count = metrics.false_confirmations;
-            write!(out, ",\"false_confirmations\":{count}")?;
-        }
-        out.write_char('}')
+        let count = metrics.false_confirmations;
+        write!(out, ",\"false_confirmations\":{count}}}")
     }
 }
 
@@ -278,7 +273,7 @@ fn reports(out: &mut fmt::Formatter<'_>, model: &Model<'_>, state: &StateRef<'_>
 
 fn config(out: &mut fmt::Formatter<'_>, config: &Config) -> fmt::Result {
     let mut before = '{';
-    for (info, value) in config.held() {
+    for (info, value) in config.stated() {
         write!(out, "{before}\"{}\":", info.name)?;
         match value {
             FieldValue::Real(real) | FieldValue::Optional(Some(real)) => {

@@ -30,7 +30,6 @@ pub(crate) fn hexadecimal(digits: &str) -> Option<u64> {
 
 /// The parts of the first line that a replay needs.
 pub(crate) struct Header<'t> {
-    pub(crate) version: u32,
     pub(crate) core_version: &'t str,
     pub(crate) config: Config,
     pub(crate) seed: u64,
@@ -194,10 +193,7 @@ impl<'t> Reader<'t> {
 
     fn read_header(&mut self) -> Result<Header<'t>, Problem<'t>> {
         self.skip("{\"kind\":\"header\",\"format\":\"jcas-trace\",\"format_version\":")?;
-        let version = self.number()?;
-        if !(1..=FORMAT_VERSION).contains(&version) {
-            return Err(Problem::Form);
-        }
+        expect(self.number::<u32>()? == FORMAT_VERSION)?;
         self.skip(",\"core_version\":\"")?;
         let core_version = self.text()?;
         self.skip("\",\"config\":")?;
@@ -213,7 +209,6 @@ impl<'t> Reader<'t> {
         self.skip("\",\"pilot\":\"")?;
         let pilot = self.text()?;
         Ok(Header {
-            version,
             core_version,
             config,
             seed,

@@ -153,7 +153,6 @@ impl<'r> Replay<'r> {
         reset.map_err(Problem::Kernel)?;
         let hashes = simulation.hashes()?;
         let line = HeaderLine {
-            version: header.version,
             core_version: &header.core_version,
             policy: &header.policy,
             pilot: &header.pilot,

@@ -1,7 +1,7 @@
 //! Rewards of each UAV: their mean is the team's, and a confirmation lowers none of them.
 
 use jcas_core::reward::{COMPONENTS, NAMES};
-use jcas_core::{Model, Sim, StateRef};
+use jcas_core::{Model, Motion, Sim, StateRef};
 use jcas_verification::sampling::{self, Dice, Pilot};
 use jcas_verification::specification::{Specification, World};
 
@@ -99,8 +99,9 @@ fn a_confirmation_lowers_no_potential() {
             // Every other step the fleet stays where it is, so that nothing but confirmations
             // counts.
             let stays = t % 2 == 0;
-            for action in &mut actions {
-                action.0 = if stays { 1.0 } else { action.0 };
+            if stays {
+                let stay = Motion::Stay.to_action(config.motion_map);
+                actions.iter_mut().for_each(|action| action.0 = stay);
             }
             spec.step(&mut world, &actions);
             let flat: Vec<f32> = actions.iter().flat_map(|&(a, b)| [a, b]).collect();

@@ -384,7 +384,7 @@ mod tests {
     fn outcomes_are_what_kani_exported() {
         let printed = format!("Checking harness {HARNESS}...\nSolving with MiniSAT 2.2.1\n");
         let printed = finished(&printed, false);
-        let files = ["core/src/energy.rs"];
+        let files = ["core/src/rules/energy.rs"];
         let proven = outcome_of(PROVEN, &printed, &files);
         assert_eq!(proven.verdict, ProofVerdict::Verified);
         assert_eq!((proven.checks, proven.covers), (Some(3), Some(1)));

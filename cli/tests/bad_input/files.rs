@@ -23,8 +23,8 @@ fn spoiled(good: &str) -> Vec<(&'static str, String, &'static str)> {
         ),
         (
             "version.jsonl",
-            replaced("\"format_version\":2", "\"format_version\":3"),
-            "format_version = 3: this build reads versions 1 to 2",
+            replaced("\"format_version\":1", "\"format_version\":3"),
+            "format_version = 3: must be 1",
         ),
         (
             "changed.jsonl",

@@ -143,7 +143,7 @@ impl Config {
                     "absent while detection_curve is swerling1, which has no threshold",
                 )?;
                 let slope_per_db = self.logistic_slope_per_db;
-                if slope_per_db != Self::DEFAULT.logistic_slope_per_db {
+                if slope_per_db != Self::MISSION.logistic_slope_per_db {
                     return refused(
                         "logistic_slope_per_db",
                         Value::Real(slope_per_db),

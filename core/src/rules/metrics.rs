@@ -37,18 +37,7 @@ pub struct Metrics {
     /// Mean over steps and UAVs of the pilot density; 0 before the first step.
     pub pilot_density_mean: f64,
     /// Number of cells without a hotspot that a quorum confirmed.
-    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "is_zero"))]
     pub false_confirmations: u32,
-}
-
-/// Whether a text leaves a count out, as texts from before it did.
-#[cfg(feature = "serde")]
-#[allow(
-    clippy::trivially_copy_pass_by_ref,
-    reason = "serde passes a reference"
-)]
-const fn is_zero(count: &u32) -> bool {
-    *count == 0
 }
 
 /// Adds a step to the sums from which the summary follows.

@@ -59,10 +59,9 @@ impl fmt::Display for TraceError {
                     Printable(problem)
                 )
             }
-            Self::Version(found) => write!(
-                out,
-                "format_version = {found}: this build reads versions 1 to {FORMAT_VERSION}"
-            ),
+            Self::Version(found) => {
+                write!(out, "format_version = {found}: must be {FORMAT_VERSION}")
+            }
             Self::Malformed { line, problem } => {
                 write!(out, "line {line}: {}", Printable(problem))
             }

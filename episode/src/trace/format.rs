@@ -64,7 +64,7 @@ pub struct Header {
     pub kind: String,
     /// Always [`FORMAT`].
     pub format: String,
-    /// [`FORMAT_VERSION`](super::FORMAT_VERSION) of the build that wrote it.
+    /// Always [`FORMAT_VERSION`](super::FORMAT_VERSION).
     pub format_version: u32,
     /// Version of the kernel that ran the episode.
     pub core_version: String,

@@ -28,4 +28,4 @@ pub use format::{End, FORMAT, Header, Hex, Initial, Rewards, Step, Trace};
 pub use host::Host;
 pub use jcas_trace::FORMAT_VERSION;
 pub use read::read;
-pub use record::{EpisodeRecorder, record, verify};
+pub use record::{EpisodeRecorder, record, rerecord, verify};

@@ -66,7 +66,7 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
                 let covered = text.rfind(CHECKSUM_KEY).unwrap_or(text.len());
                 hash.write(&text.as_bytes()[..covered]);
             }
-            kind if header.format_version > 1 && Call::KINDS.contains(&kind) => {
+            kind if Call::KINDS.contains(&kind) => {
                 host.push(read_host(&text, header, line)?);
                 hash.write(text.as_bytes());
             }
@@ -112,7 +112,7 @@ fn read_header(text: &str) -> Result<Header, TraceError> {
             format: Some(format),
             format_version: Some(version),
         } if kind == "header" && format == FORMAT => {
-            if !(1..=u64::from(FORMAT_VERSION)).contains(&version) {
+            if version != u64::from(FORMAT_VERSION) {
                 return Err(TraceError::Version(version));
             }
             parse(text, 1)

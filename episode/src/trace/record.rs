@@ -5,8 +5,8 @@ use std::io::Write;
 use jcas_core::host::Call;
 use jcas_core::{Error, Model, Scratch, Sim, StateRef};
 use jcas_trace::{
-    Arguments, CallLine, EndLine, Escaped, FORMAT_VERSION, Hashes, HeaderLine, Problem, Replay,
-    Sink, StepLine, VerifyError, Workspace, WorkspaceSizes, Writer,
+    Arguments, CallLine, EndLine, Escaped, Hashes, HeaderLine, Problem, Replay, Sink, StepLine,
+    VerifyError, Workspace, WorkspaceSizes, Writer,
 };
 
 use super::compare::{Difference, diff};
@@ -42,6 +42,16 @@ pub fn record(
 /// # Errors
 /// The kernel refuses the configuration, an action or a call.
 pub fn verify(trace: &Trace) -> Result<Option<Difference>, TraceError> {
+    let text = rerecord(trace)?;
+    Ok(diff(trace, &read(text.as_slice())?))
+}
+
+/// Replays a trace and writes what this build makes of its configuration, seed, actions and host
+/// calls.
+///
+/// # Errors
+/// The kernel refuses the configuration, an action or a call.
+pub fn rerecord(trace: &Trace) -> Result<Vec<u8>, TraceError> {
     let model = Model::new(trace.header.config)?;
     let mut words = vec![0; model.state_words()];
     let mut scratch = vec![0; Scratch::words_for(&model)];
@@ -81,7 +91,7 @@ pub fn verify(trace: &Trace) -> Result<Option<Difference>, TraceError> {
         }
     }
     writer.finish()?;
-    Ok(diff(trace, &read(text.as_slice())?))
+    Ok(text)
 }
 
 /// Writes the lines of an episode while it runs.
@@ -116,7 +126,6 @@ impl<'m, W: Write> EpisodeRecorder<'m, W> {
         };
         let hashes = episode.observe()?;
         episode.writer.line(&HeaderLine {
-            version: FORMAT_VERSION,
             core_version: &jcas_core::VERSION,
             policy: &Escaped(policy),
             pilot: &Escaped(pilot),

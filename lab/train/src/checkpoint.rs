@@ -25,7 +25,6 @@ struct Notes {
     critic_updates: u64,
     values_count: f64,
     workers: usize,
-    #[serde(default)]
     critic_only_batches: u64,
 }
 

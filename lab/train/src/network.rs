@@ -28,15 +28,12 @@ pub enum Architecture {
         /// Outputs of the head.
         outputs: usize,
         /// Fields that search maps and tags add to what a UAV knows of itself.
-        #[serde(default, skip_serializing_if = "is_zero")]
         added: usize,
         /// Whether it also reads the number of UAVs, after those.
-        #[serde(default, skip_serializing_if = "is_false")]
         fleet_size: bool,
         /// Whether UAVs choose one after the other. They read the choices of their neighbours,
         /// those in their cell and the next, the chances of detection, and their ranks. The network
         /// also attends between hotspots.
-        #[serde(default, skip_serializing_if = "is_false")]
         choices: bool,
     },
     /// Shared encoders over UAVs and hotspots of the global state, with one output: the value.
@@ -44,19 +41,8 @@ pub enum Architecture {
         /// Widths of the hidden layers after pooling.
         hidden: Vec<usize>,
         /// Whether it reads how well the fleet covers each hotspot.
-        #[serde(default, skip_serializing_if = "is_false")]
         cover: bool,
     },
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // serde asks for a reference
-fn is_zero(number: &usize) -> bool {
-    *number == 0
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // serde asks for a reference
-fn is_false(flag: &bool) -> bool {
-    !*flag
 }
 
 /// A family of networks, with hidden layers, outputs, and what a set network reads.

@@ -27,7 +27,7 @@ from .sim import Sim
 from .spaces import ActionForm, ActionSpaceKind
 
 FORMAT = "jcas-trace"
-FORMAT_VERSIONS = (1, 2)
+FORMAT_VERSION = 1
 
 _WRITE = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
 
@@ -61,8 +61,8 @@ class Trace:
         if not lines or not all(isinstance(line, dict) for line in lines):
             raise TraceError(f"{path}: must be JSON objects, one on each line")
         header, *between, end = lines if len(lines) > 1 else (lines[0], {})
-        if header.get("format") != FORMAT or header.get("format_version") not in FORMAT_VERSIONS:
-            raise TraceError(f"{path}: must be a {FORMAT} of version 1 or 2")
+        if header.get("format") != FORMAT or header.get("format_version") != FORMAT_VERSION:
+            raise TraceError(f"{path}: must be a {FORMAT} of version {FORMAT_VERSION}")
         if end.get("kind") != "end":
             raise TraceError(f"{path}: cut short: it does not close with its end")
         steps = [line for line in between if line.get("kind") == "step"]

@@ -138,7 +138,7 @@ mod tests {
     }
 
     fn outcome(name: &str, verdict: ProofVerdict) -> Outcome {
-        let files = vec!["core/src/energy.rs".to_owned()];
+        let files = vec!["core/src/rules/energy.rs".to_owned()];
         Outcome {
             package: "a".into(),
             harness: format!("proofs::m::{name}"),

@@ -1,5 +1,4 @@
-//! Writes a configuration; fields that are derived from others, and later fields at their default,
-//! are left out.
+//! Writes a configuration; fields that are derived from others are left out.
 
 use core::fmt::{self, Write};
 
@@ -11,7 +10,7 @@ impl Config {
     /// # Errors
     /// Those of `out`.
     pub fn write_toml(&self, out: &mut impl Write) -> fmt::Result {
-        for (info, value) in self.held() {
+        for (info, value) in self.stated() {
             write!(out, "{} = ", info.name)?;
             write!(out, "{value}")?;
             out.write_char('\n')?;
@@ -25,7 +24,7 @@ impl Config {
     /// Those of `out`.
     pub fn write_json(&self, out: &mut impl Write) -> fmt::Result {
         let mut before = '{';
-        for (info, value) in self.held() {
+        for (info, value) in self.stated() {
             write!(out, "{before}\"{}\":", info.name)?;
             write!(out, "{value}")?;
             before = ',';
