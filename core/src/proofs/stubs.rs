@@ -34,6 +34,12 @@ pub(super) fn set_range_of_a_word(row: &mut [u64], begin: usize, end: usize) {
     row[0] |= ((1 << end) - 1) & !((1 << begin) - 1);
 }
 
+/// What `action::pilot_density_stays_in_range` shows.
+pub(super) fn any_pilot_density(u_pilot: f32, min: f64, max: f64) -> f64 {
+    assert!(!u_pilot.is_nan() && min >= 0.0 && min <= max && max <= 1.0);
+    real_between(min, max)
+}
+
 pub(super) fn any_exp(x: f64) -> f64 {
     assert!(x >= -700.0 && x <= 700.0);
     real_between(EXP_MIN, EXP_MAX)
