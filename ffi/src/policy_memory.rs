@@ -129,7 +129,7 @@ unsafe fn save(
 fn read(memory: &[u8]) -> Result<Vec<u64>, Fault> {
     let corrupt = Fault::Status(JCAS_ERROR_CORRUPT);
     let count = memory.len() / WORD;
-    if memory.len() % WORD != 0 || count <= HEADER {
+    if !memory.len().is_multiple_of(WORD) || count <= HEADER {
         return Err(corrupt);
     }
     let (content, checksum) = memory.split_at(memory.len() - WORD);

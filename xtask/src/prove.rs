@@ -134,12 +134,15 @@ fn arguments(group: &[&Proof], export: &Path) -> Vec<String> {
     arguments
 }
 
+/// The versions of Kani and CBMC.
+type Versions = (String, String);
+
 /// Runs one group of the workspace at `root`; also returns the versions of Kani and CBMC.
 pub fn prove(
     group: &[&Proof],
     root: &Path,
     sources: &Sources,
-) -> Result<(Vec<Judged>, Option<(String, String)>), String> {
+) -> Result<(Vec<Judged>, Option<Versions>), String> {
     // A name of this process alone: runs side by side must not read each other's export.
     let name = format!("jcas-kani-{}.json", std::process::id());
     let path = std::env::temp_dir().join(name);

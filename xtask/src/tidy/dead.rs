@@ -26,12 +26,10 @@ pub fn check(files: &[File]) -> Vec<String> {
             _ => stem.to_owned(),
         };
         let names = |other: &File| other.text.contains(name) || has_word(&other.text, &word);
-        is_one_of(suffix, NAMED)
-            && !(is_one_of(stem, FOUND_BY_NAME) || stem.starts_with("test_"))
-            && !(suffix == "rs" && is_one_of(last, TARGETS))
-            && !files
-                .iter()
-                .any(|other| other.path != file.path && names(other))
+        let found_by_name = is_one_of(stem, FOUND_BY_NAME) || stem.starts_with("test_");
+        let target = suffix == "rs" && is_one_of(last, TARGETS);
+        let named = |other: &File| other.path != file.path && names(other);
+        is_one_of(suffix, NAMED) && !found_by_name && !target && !files.iter().any(named)
     };
     let dead = files.iter().filter(is_dead);
     dead.map(|file| format!("{}: no other file names it", file.path))
