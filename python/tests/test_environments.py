@@ -331,7 +331,7 @@ def test_rllibs_environment_flies_the_episodes_of_the_others():
     for _ in range(12):
         infos = env.step(dict.fromkeys(env.possible_agents, np.zeros(2)))[-1]
     infos["uav_0"]["steps"] = -1
-    assert infos["uav_1"]["steps"] == 12 and env.agents == []
+    assert infos["uav_1"]["steps"] == 12 and env.agents == env.possible_agents
     with pytest.raises(jcas.ArgumentError, match="options"):
         env.reset(options={"snapshots": b""})
     assert twin.sim.t == 0 and np.array_equal(

@@ -28,7 +28,7 @@ def test_the_shipped_policy_flies_any_fleet_and_repeats(uavs: int, hotspots: int
 
 
 def test_a_mission_with_other_maps_is_refused() -> None:
-    with pytest.raises(jcas.JcasError, match="reads 11 fields where this mission has 101"):
+    with pytest.raises(jcas.JcasError, match="reads 12 fields where this mission has 101"):
         jcas.Policy.load(MISSION, jcas.Model("search"))
 
 

@@ -193,5 +193,5 @@ class Fields(TypedDict, total=False):
     """Cells in which UAVs start: the first `depot`, or a `random` cell of the grid for each UAV.
     One of depot, random."""
     motion_map: Literal["udlrs", "symmetric"] | None
-    """Order of the motions over the five bins of u_dir: up, down, left, right, stay (`udlrs`), or
-    up, left, stay, right, down (`symmetric`). One of udlrs, symmetric."""
+    """Order of the motions over the five bins of u_dir: up, down, left, right, stay (`udlrs`),
+    or up, left, stay, right, down (`symmetric`). One of udlrs, symmetric."""

@@ -134,7 +134,7 @@ def read_file(path: Path) -> bytes:
         return path.read_bytes()
     except (OSError, ValueError) as error:  # A zero character in a path is a ValueError.
         words = getattr(error, "strerror", None) or error
-        raise MissingFileError(f"{shown(str(path))}: cannot be read: {words}") from error
+        raise MissingFileError(f"{str(path)!r}: cannot be read: {words}") from error
 
 
 def snapshot_of(name: str, value: Any) -> bytes:

@@ -40,6 +40,7 @@ class JcasMultiAgentEnv(MissionEnv, MultiAgentEnv):
         self._mission = Mission(fields, {}, None)
         self._form = ActionForm(self.model)
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
+        # RLlib's check of an environment wants every agent of the last observations in this list.
         self.agents = list(self.possible_agents)
         observation = spaces.Dict(
             {"observation": self.model.observation_space(), "state": self.model.global_space()}
@@ -55,7 +56,6 @@ class JcasMultiAgentEnv(MissionEnv, MultiAgentEnv):
         if seed is not None and self._runner_seed is not None:
             seed = derive_seed(self._runner_seed, seed)
         self._mission.reset(seed, options_of(options, "snapshot"))
-        self.agents = list(self.possible_agents)
         return self._observations(), self._infos(None)
 
     def step(
@@ -70,8 +70,6 @@ class JcasMultiAgentEnv(MissionEnv, MultiAgentEnv):
         terminated["__all__"] = outcome.terminated
         truncated["__all__"] = outcome.truncated
         rewards = self._mission.rewards(self._credit, outcome, self.possible_agents)
-        if outcome.terminated or outcome.truncated:
-            self.agents = []
         return self._observations(), rewards, terminated, truncated, self._infos(outcome)
 
     def load(self, snapshot: bytes) -> dict[str, Any]:
