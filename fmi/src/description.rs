@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
+use crate::error::Error;
 use crate::instance::Instance;
 use crate::values::Values;
 use crate::variables::{Causality, Extent, Variable, VariableType, all, reference};
@@ -22,7 +23,7 @@ pub fn token() -> String {
 ///
 /// # Errors
 /// The call fails if a default value cannot be read, which is a fault of the table.
-pub fn xml() -> Result<String, String> {
+pub fn xml() -> Result<String, Error> {
     let variables = all();
     let mut defaults = Instance::new(None)?;
     let step_s = jcas_core::Config::default().step_duration_s;
@@ -82,7 +83,7 @@ fn write_variable(
     xml: &mut String,
     variable: &Variable,
     defaults: &mut Instance,
-) -> Result<(), String> {
+) -> Result<(), Error> {
     let element = match variable.kind {
         VariableType::Float32 => "Float32",
         VariableType::Float64 => "Float64",

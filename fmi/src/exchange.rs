@@ -2,6 +2,7 @@
 
 use std::ffi::{CStr, CString, c_char};
 
+use crate::error::Error;
 use crate::handle::{Handle, Status, call, read, write};
 use crate::values::Values;
 
@@ -19,15 +20,15 @@ unsafe fn get<T: Clone>(
         let out = unsafe { write(values, length, "values") }?;
         let mut row = Vec::with_capacity(length);
         for &vr in references {
-            let found = of(handle.instance.get(vr)?)
-                .ok_or_else(|| format!("value reference {vr} is of another type"))?;
+            let found = of(handle.instance.get(vr)?).ok_or(Error::OtherType(vr))?;
             row.extend(found);
         }
         if row.len() != length {
-            return Err(format!(
-                "nValues = {length}: these variables have {}",
-                row.len()
-            ));
+            let needed = row.len();
+            return Err(Error::Length {
+                given: length,
+                needed,
+            });
         }
         out.clone_from_slice(&row);
         Ok(())
@@ -49,21 +50,26 @@ unsafe fn set<T: Clone>(
         let mut changes = Vec::with_capacity(count);
         for &vr in references {
             let (kind, elements) = handle.instance.shape(vr)?;
-            let (mine, after) = rest.split_at_checked(elements).ok_or_else(|| {
-                format!("nValues = {length}: value reference {vr} has {elements}")
-            })?;
+            let (mine, after) = rest
+                .split_at_checked(elements)
+                .ok_or_else(|| Error::Argument {
+                    argument: "nValues",
+                    value: length.to_string(),
+                    allowed: format!("value reference {vr} has {elements}"),
+                })?;
             let values = of(mine);
             if values.kind() != kind {
-                return Err(format!("value reference {vr} is of another type"));
+                return Err(Error::OtherType(vr));
             }
             changes.push((vr, values));
             rest = after;
         }
         if !rest.is_empty() {
-            return Err(format!(
-                "nValues = {length}: these variables have {}",
-                length - rest.len()
-            ));
+            let needed = length - rest.len();
+            return Err(Error::Length {
+                given: length,
+                needed,
+            });
         }
         for (vr, values) in changes {
             handle.instance.set(vr, values)?;
@@ -136,17 +142,18 @@ pub unsafe extern "C" fn fmi3GetString(
         let mut texts = Vec::with_capacity(length);
         for &vr in references {
             let Values::String(found) = handle.instance.get(vr)? else {
-                return Err(format!("value reference {vr} is of another type"));
+                return Err(Error::OtherType(vr));
             };
             for text in found {
-                texts.push(CString::new(text).map_err(|error| error.to_string())?);
+                texts.push(CString::new(text)?);
             }
         }
         if texts.len() != length {
-            return Err(format!(
-                "nValues = {length}: these variables have {}",
-                texts.len()
-            ));
+            let needed = texts.len();
+            return Err(Error::Length {
+                given: length,
+                needed,
+            });
         }
         handle.texts = texts;
         for (slot, text) in out.iter_mut().zip(&handle.texts) {
@@ -172,19 +179,20 @@ pub unsafe extern "C" fn fmi3SetString(
         let references = unsafe { read(references, count, "valueReferences") }?;
         let values = unsafe { read(values, length, "values") }?;
         if count != length {
-            return Err(format!("nValues = {length}: these variables have {count}"));
+            return Err(Error::Length {
+                given: length,
+                needed: count,
+            });
         }
         for (&vr, &text) in references.iter().zip(values) {
             if text.is_null() {
-                return Err(format!("the text for value reference {vr} is null"));
+                return Err(Error::Null(format!("the text for value reference {vr}")));
             }
             // The text is not null and ends in 0 by the standard.
-            let text = unsafe { CStr::from_ptr(text) }
-                .to_str()
-                .map_err(|error| error.to_string())?;
+            let text = unsafe { CStr::from_ptr(text) }.to_str()?;
             let values = Values::String(vec![text.to_owned()]);
             if handle.instance.shape(vr)?.0 != values.kind() {
-                return Err(format!("value reference {vr} is of another type"));
+                return Err(Error::OtherType(vr));
             }
             handle.instance.set(vr, values)?;
         }

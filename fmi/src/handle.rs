@@ -5,6 +5,7 @@ use std::ffi::{CString, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::slice;
 
+use crate::error::Error;
 use crate::instance::Instance;
 
 /// The `fmi3Status` of the standard.
@@ -58,7 +59,7 @@ impl Handle {
 /// Runs a call on an instance. Null is an error, a refusal is logged and a panic is fatal.
 pub(crate) fn call(
     handle: *mut Handle,
-    act: impl FnOnce(&mut Handle) -> Result<(), String>,
+    act: impl FnOnce(&mut Handle) -> Result<(), Error>,
 ) -> Status {
     // The importer passes what instantiation returned and has not freed, from one thread at a time.
     let Some(handle) = (unsafe { handle.as_mut() }) else {
@@ -66,8 +67,8 @@ pub(crate) fn call(
     };
     match catch_unwind(AssertUnwindSafe(|| act(handle))) {
         Ok(Ok(())) => Status::Ok,
-        Ok(Err(message)) => {
-            handle.say(Status::Error, &message);
+        Ok(Err(error)) => {
+            handle.say(Status::Error, &error.to_string());
             Status::Error
         }
         Err(_) => {
@@ -82,12 +83,12 @@ pub(crate) unsafe fn read<'a, T>(
     pointer: *const T,
     count: usize,
     what: &str,
-) -> Result<&'a [T], String> {
+) -> Result<&'a [T], Error> {
     if count == 0 {
         return Ok(&[]);
     }
     if pointer.is_null() {
-        return Err(format!("{what} is null"));
+        return Err(Error::Null(what.to_owned()));
     }
     // It is not null and has `count` elements, as the importer promises.
     Ok(unsafe { slice::from_raw_parts(pointer, count) })
@@ -97,12 +98,12 @@ pub(crate) unsafe fn write<'a, T>(
     pointer: *mut T,
     count: usize,
     what: &str,
-) -> Result<&'a mut [T], String> {
+) -> Result<&'a mut [T], Error> {
     if count == 0 {
         return Ok(&mut []);
     }
     if pointer.is_null() {
-        return Err(format!("{what} is null"));
+        return Err(Error::Null(what.to_owned()));
     }
     // As above, and nothing else uses it during the call.
     Ok(unsafe { slice::from_raw_parts_mut(pointer, count) })

@@ -11,6 +11,7 @@ use jcas_core::config::FieldValue;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::error::Error;
 use crate::mission::{Inputs, Mission};
 use crate::setup::Setup;
 use crate::values::{Values, field_values, output};
@@ -65,7 +66,7 @@ impl Instance {
     ///
     /// # Errors
     /// Never: the default configuration is legal.
-    pub fn new(resources: Option<PathBuf>) -> Result<Self, String> {
+    pub fn new(resources: Option<PathBuf>) -> Result<Self, Error> {
         let setup = Setup {
             resources,
             ..Setup::default()
@@ -91,12 +92,10 @@ impl Instance {
     ///
     /// # Errors
     /// The call fails if the standard does not allow the change from the present mode.
-    pub fn go(&mut self, allowed: &[Mode], to: Mode, called: &str) -> Result<(), String> {
+    pub fn go(&mut self, allowed: &[Mode], to: Mode, called: &str) -> Result<(), Error> {
         if !allowed.contains(&self.mode) {
-            return Err(format!(
-                "{called} is not allowed in the mode {:?}",
-                self.mode
-            ));
+            let (call, mode) = (called.to_owned(), self.mode);
+            return Err(Error::CallInMode { call, mode });
         }
         self.mode = to;
         Ok(())
@@ -111,18 +110,18 @@ impl Instance {
     ///
     /// # Errors
     /// The text names the parameter, the value and what is allowed.
-    pub fn prepare(&mut self) -> Result<&Mission, String> {
+    pub fn prepare(&mut self) -> Result<&Mission, Error> {
         if self.mission.is_none() {
             self.mission = Some(Mission::new(&self.setup)?);
         }
-        self.mission.as_ref().ok_or_else(|| "no mission".to_owned())
+        self.mission.as_ref().ok_or(Error::NoEpisode)
     }
 
     /// Resets the instance to its state after instantiation.
     ///
     /// # Errors
     /// The errors are those of [`Instance::new`].
-    pub fn reset(&mut self) -> Result<(), String> {
+    pub fn reset(&mut self) -> Result<(), Error> {
         *self = Self::new(self.setup.resources.take())?;
         Ok(())
     }
@@ -133,27 +132,27 @@ impl Instance {
     /// # Errors
     /// The call fails if the times do not fit or the kernel refuses an input. The time is then that
     /// of the last complete step.
-    pub fn do_step(&mut self, from_s: f64, length_s: f64) -> Result<f64, String> {
+    pub fn do_step(&mut self, from_s: f64, length_s: f64) -> Result<f64, Error> {
         if self.mode != Mode::Step {
-            return Err(format!(
-                "fmi3DoStep is not allowed in the mode {:?}",
-                self.mode
-            ));
+            let (call, mode) = ("fmi3DoStep".to_owned(), self.mode);
+            return Err(Error::CallInMode { call, mode });
         }
-        let mission = self.mission.as_mut().ok_or("no mission")?;
+        let mission = self.mission.as_mut().ok_or(Error::NoEpisode)?;
         let step_s = mission.model().config().step_duration_s;
         let steps = (length_s / step_s).round();
         if !(steps >= 1.0 && (steps * step_s - length_s).abs() <= STEP_TOLERANCE * step_s) {
-            return Err(format!(
-                "communicationStepSize = {length_s}: \
-                 must be a multiple of step_duration_s = {step_s}"
-            ));
+            return Err(Error::Argument {
+                argument: "communicationStepSize",
+                value: length_s.to_string(),
+                allowed: format!("must be a multiple of step_duration_s = {step_s}"),
+            });
         }
         if (from_s - self.time_s).abs() > STEP_TOLERANCE * step_s {
-            return Err(format!(
-                "currentCommunicationPoint = {from_s}: the instance is at {}",
-                self.time_s
-            ));
+            return Err(Error::Argument {
+                argument: "currentCommunicationPoint",
+                value: from_s.to_string(),
+                allowed: format!("the instance is at {}", self.time_s),
+            });
         }
         mission.reward = 0.0;
         for _ in 0..steps as u64 {
@@ -165,18 +164,18 @@ impl Instance {
         Ok(self.time_s)
     }
 
-    fn variable(&self, vr: u32) -> Result<&Variable, String> {
+    fn variable(&self, vr: u32) -> Result<&Variable, Error> {
         self.variables
             .iter()
             .find(|variable| variable.reference == vr)
-            .ok_or_else(|| format!("value reference {vr}: there is no such variable"))
+            .ok_or(Error::NoVariable(vr))
     }
 
     /// Returns the type of a variable and its number of elements.
     ///
     /// # Errors
     /// The call fails if there is no such variable.
-    pub fn shape(&self, vr: u32) -> Result<(VariableType, usize), String> {
+    pub fn shape(&self, vr: u32) -> Result<(VariableType, usize), Error> {
         let variable = self.variable(vr)?;
         let mut count = 1;
         for extent in variable.extents {
@@ -193,7 +192,7 @@ impl Instance {
     ///
     /// # Errors
     /// The call fails if there is no such variable, or if the parameters are not legal.
-    pub fn get(&mut self, vr: u32) -> Result<Values, String> {
+    pub fn get(&mut self, vr: u32) -> Result<Values, Error> {
         use reference::*;
         if let Some(name) = field_name(vr) {
             return field_values(self.shape(vr)?.0, &self.setup.field(name)?);
@@ -222,7 +221,7 @@ impl Instance {
     ///
     /// # Errors
     /// The call fails if the variable may not be set, not in this mode or not to this value.
-    pub fn set(&mut self, vr: u32, values: Values) -> Result<(), String> {
+    pub fn set(&mut self, vr: u32, values: Values) -> Result<(), Error> {
         use reference::*;
         let (name, causality) = {
             let variable = self.variable(vr)?;
@@ -233,11 +232,12 @@ impl Instance {
             Causality::Parameter => &[Mode::Instantiated, Mode::Initialization],
             Causality::Input => &[Mode::Instantiated, Mode::Initialization, Mode::Step],
             Causality::Independent | Causality::Output => {
-                return Err(format!("{name} cannot be set"));
+                return Err(Error::ReadOnly(name));
             }
         };
         if !modes.contains(&self.mode) {
-            return Err(format!("{name} cannot be set in the mode {:?}", self.mode));
+            let mode = self.mode;
+            return Err(Error::SetInMode { name, mode });
         }
         if causality != Causality::Input {
             self.mission = None;
@@ -258,31 +258,38 @@ impl Instance {
         Ok(())
     }
 
-    fn resize(&mut self, name: &str, count: u64) -> Result<(), String> {
+    fn resize(&mut self, name: &str, count: u64) -> Result<(), Error> {
         if !(1..=4096).contains(&count) {
-            return Err(format!("{name} = {count}: must be from 1 to 4096"));
+            return Err(Error::Value {
+                name: name.to_owned(),
+                value: count.to_string(),
+                allowed: "from 1 to 4096",
+            });
         }
         self.setup.fields.insert(name.to_owned(), count.into());
         self.inputs = self.setup.initial_inputs()?;
         Ok(())
     }
 
-    fn set_field(&mut self, name: &str, values: Values) -> Result<(), String> {
+    fn set_field(&mut self, name: &str, values: Values) -> Result<(), Error> {
         let value = match values {
             Values::Float64(values) if values[0].is_nan() => {
                 if !may_be_derived(name) {
-                    return Err(format!("{name} = NaN: must be a number"));
+                    return Err(Error::Value {
+                        name: name.to_owned(),
+                        value: "NaN".to_owned(),
+                        allowed: "a number",
+                    });
                 }
                 Value::Null
             }
             Values::Float64(values) => values[0].into(),
             Values::UInt32(values) => values[0].into(),
             Values::String(mut values) if matches!(name, "depots" | "detection_table") => {
-                serde_json::from_str(&values.remove(0))
-                    .map_err(|error| format!("{name}: {error}"))?
+                serde_json::from_str(&values.remove(0)).map_err(|source| json(name, source))?
             }
             Values::String(mut values) => values.remove(0).into(),
-            _ => return Err(format!("{name} is not of this type")),
+            _ => return Err(Error::FieldType(name.to_owned())),
         };
         let at_rest = self.inputs == self.setup.initial_inputs()?;
         // An absent field is derived, as in every text of a configuration.
@@ -301,7 +308,7 @@ impl Instance {
     ///
     /// # Errors
     /// The errors are those of [`Mission::save`].
-    pub fn save(&self) -> Result<Vec<u8>, String> {
+    pub fn save(&self) -> Result<Vec<u8>, Error> {
         let saved = Saved {
             mode: self.mode,
             setup: self.setup.clone(),
@@ -317,16 +324,16 @@ impl Instance {
                 .map(Mission::memory)
                 .unwrap_or_default(),
         };
-        serde_json::to_vec(&saved).map_err(|error| error.to_string())
+        serde_json::to_vec(&saved).map_err(Error::Save)
     }
 
     /// Restores a saved instance.
     ///
     /// # Errors
     /// The call fails if [`Instance::save`] did not write the bytes.
-    pub fn load(&self, bytes: &[u8]) -> Result<Self, String> {
+    pub fn load(&self, bytes: &[u8]) -> Result<Self, Error> {
         let mut saved: Saved =
-            serde_json::from_slice(bytes).map_err(|error| format!("saved state: {error}"))?;
+            serde_json::from_slice(bytes).map_err(|source| json("saved state", source))?;
         saved.setup.resources.clone_from(&self.setup.resources);
         let mut mission = saved
             .snapshot
@@ -340,7 +347,7 @@ impl Instance {
             || saved.positions.len() != 2 * uavs
             || saved.links.len() != uavs * uavs
         {
-            return Err("saved state: its inputs are not of its fleet".to_owned());
+            return Err(Error::ForeignInputs);
         }
         Ok(Self {
             variables: all(),
@@ -355,6 +362,11 @@ impl Instance {
             time_s: saved.time_s,
         })
     }
+}
+
+fn json(name: &str, source: serde_json::Error) -> Error {
+    let name = name.to_owned();
+    Error::Json { name, source }
 }
 
 fn field_name(vr: u32) -> Option<&'static str> {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::ptr::null_mut;
 
 use crate::description::token;
+use crate::error::Error;
 use crate::handle::{Handle, LogMessage, Status, call, give};
 use crate::instance::{Instance, Mode};
 
@@ -131,7 +132,11 @@ pub extern "C" fn fmi3EnterInitializationMode(
 ) -> Status {
     call(handle, |handle| {
         if !start.is_finite() {
-            return Err(format!("startTime = {start}: must be a finite number"));
+            return Err(Error::Argument {
+                argument: "startTime",
+                value: start.to_string(),
+                allowed: "must be a finite number".to_owned(),
+            });
         }
         handle.instance.go(
             &[Mode::Instantiated],

@@ -4,6 +4,7 @@
 //! - [`variables`] is the table of variables, which the description and every get and set use.
 //! - [`description`] writes that table as `modelDescription.xml`.
 //! - [`setup`] has the parameters, and [`mission`] has the episode that runs with them.
+//! - [`error`] has the reasons why a call is refused.
 //! - [`values`] has the values of variables and of outputs.
 //! - [`instance`] is the life cycle of an instance, from instantiation to termination.
 //! - [`handle`] is an instance behind the importer's pointer.
@@ -16,6 +17,7 @@
 #![deny(unsafe_code)]
 
 pub mod description;
+pub mod error;
 #[allow(unsafe_code, non_snake_case, clippy::not_unsafe_ptr_arg_deref)]
 pub mod exchange;
 #[allow(unsafe_code)]

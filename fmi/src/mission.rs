@@ -1,10 +1,13 @@
 //! An episode of the unit: the kernel and the source of its actions.
 
-use jcas_core::{Cell, Error, Model, Motion, MotionMap, Scratch, StateRef, hash, observation};
+use std::fmt::Display;
+
+use jcas_core::{Cell, Model, Motion, MotionMap, Scratch, StateRef, hash, observation};
 use jcas_plan::{PlanFile, Planned, PlannedKind};
-use jcas_policy::{BaselineKind, MemoryReader, PilotMode, Policy, Trained};
+use jcas_policy::{BaselineKind, MemoryReader, PilotMode, Policy, PolicyError, Trained};
 use jcas_simd::InstructionSet;
 
+use crate::error::Error;
 use crate::setup::Setup;
 
 /// The inputs of a step.
@@ -48,8 +51,8 @@ impl Mission {
     ///
     /// # Errors
     /// The text names the parameter, the value and what is allowed.
-    pub fn new(setup: &Setup) -> Result<Self, String> {
-        let model = Model::new(setup.config()?).map_err(said)?;
+    pub fn new(setup: &Setup) -> Result<Self, Error> {
+        let model = Model::new(setup.config()?)?;
         let pilot = pilot(setup, &model)?;
         let mut mission = Self {
             setup: setup.clone(),
@@ -65,11 +68,10 @@ impl Mission {
         Ok(mission)
     }
 
-    fn reset(&mut self) -> Result<(), String> {
-        let mut scratch = Scratch::new(&self.model, &mut self.scratch).map_err(said)?;
+    fn reset(&mut self) -> Result<(), Error> {
+        let mut scratch = Scratch::new(&self.model, &mut self.scratch)?;
         self.model
-            .reset(&mut self.words, &mut scratch, self.setup.seed)
-            .map_err(said)?;
+            .reset(&mut self.words, &mut scratch, self.setup.seed)?;
         if let Some(pilot) = &mut self.pilot {
             pilot.reset(&self.model, self.setup.seed);
         }
@@ -87,8 +89,8 @@ impl Mission {
     ///
     /// # Errors
     /// The call never fails for words that the model itself wrote.
-    pub fn state(&self) -> Result<StateRef<'_>, String> {
-        self.model.state(&self.words).map_err(said)
+    pub fn state(&self) -> Result<StateRef<'_>, Error> {
+        Ok(self.model.state(&self.words)?)
     }
 
     /// Returns the fingerprint of the state.
@@ -101,7 +103,7 @@ impl Mission {
     ///
     /// # Errors
     /// The errors are those of [`Mission::state`].
-    pub fn over(&self) -> Result<bool, String> {
+    pub fn over(&self) -> Result<bool, Error> {
         let state = self.state()?;
         Ok(state.terminated() || state.truncated())
     }
@@ -110,7 +112,7 @@ impl Mission {
     ///
     /// # Errors
     /// The call fails if the kernel refuses an input. The state then does not change.
-    pub fn step(&mut self, inputs: &Inputs) -> Result<(), String> {
+    pub fn step(&mut self, inputs: &Inputs) -> Result<(), Error> {
         let Self {
             model,
             words,
@@ -122,11 +124,10 @@ impl Mission {
         } = self;
         match pilot {
             Some(pilot) => {
-                let state = model.state(words).map_err(said)?;
+                let state = model.state(words)?;
                 if pilot.reads_observations() {
-                    let mut scratch = Scratch::new(model, scratch).map_err(said)?;
-                    observation::observe(model, &state, &mut scratch, observations)
-                        .map_err(said)?;
+                    let mut scratch = Scratch::new(model, scratch)?;
+                    observation::observe(model, &state, &mut scratch, observations)?;
                     pilot.see(observations);
                 }
                 pilot.act(model, &state, actions);
@@ -138,10 +139,10 @@ impl Mission {
         if stepped.is_err() {
             self.words = before;
         }
-        stepped.map_err(said)
+        Ok(stepped?)
     }
 
-    fn step_by_parts(&mut self, inputs: &Inputs) -> Result<(), Error> {
+    fn step_by_parts(&mut self, inputs: &Inputs) -> Result<(), jcas_core::Error> {
         let Self {
             setup,
             model,
@@ -179,9 +180,9 @@ impl Mission {
     ///
     /// # Errors
     /// The call never fails for words that the model itself wrote.
-    pub fn save(&self) -> Result<Vec<u8>, String> {
+    pub fn save(&self) -> Result<Vec<u8>, Error> {
         let mut bytes = vec![0; self.model.save_len()];
-        self.model.save(&self.words, &mut bytes).map_err(said)?;
+        self.model.save(&self.words, &mut bytes)?;
         Ok(bytes)
     }
 
@@ -199,17 +200,16 @@ impl Mission {
     ///
     /// # Errors
     /// The call fails if the snapshot or the memory is not of this setup.
-    pub fn restore(setup: &Setup, snapshot: &[u8], memory: &[u64]) -> Result<Self, String> {
+    pub fn restore(setup: &Setup, snapshot: &[u8], memory: &[u64]) -> Result<Self, Error> {
         let mut mission = Self::new(setup)?;
         let mut spare = vec![0; mission.words.len()];
         mission
             .model
-            .load(snapshot, &mut mission.words, &mut spare)
-            .map_err(said)?;
+            .load(snapshot, &mut mission.words, &mut spare)?;
         if let Some(pilot) = &mut mission.pilot {
             pilot
                 .load_memory(&mission.model, &mut MemoryReader::new(memory))
-                .map_err(|error| format!("saved state: {error}"))?;
+                .map_err(Error::Memory)?;
         }
         Ok(mission)
     }
@@ -233,40 +233,37 @@ fn resource(path: &std::path::Path) -> std::io::Result<Vec<u8>> {
 
 /// The source of actions: the importer, a trained policy or a plan among the unit's resources, or a
 /// baseline.
-fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, String> {
+fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, Error> {
     if setup.policy.is_empty() {
         return Ok(None);
     }
-    let said = |problem: String| format!("policy = {}: {problem}", setup.policy);
+    let refused = |reason: &dyn Display| Error::Policy {
+        policy: setup.policy.clone(),
+        reason: reason.to_string(),
+    };
     if let Some(path) = setup.resource("safetensors") {
-        let bytes = resource(&path).map_err(|error| said(error.to_string()))?;
-        let trained =
-            Trained::read(&setup.policy, &bytes).map_err(|error| said(error.to_string()))?;
-        trained
-            .check(model)
-            .map_err(|error| said(error.to_string()))?;
+        let bytes = resource(&path).map_err(|error| refused(&error))?;
+        let trained = Trained::read(&setup.policy, &bytes).map_err(|error| refused(&error))?;
+        trained.check(model).map_err(|error| refused(&error))?;
         let trained = trained.with_matmul(InstructionSet::best().matmul());
         return Ok(Some(Box::new(trained)));
     }
     if let Some(path) = setup.resource("json") {
-        let text = resource(&path).map_err(|error| said(error.to_string()))?;
+        let text = resource(&path).map_err(|error| refused(&error))?;
         let plan =
             PlanFile::parse(&String::from_utf8_lossy(&text)).and_then(|file| file.plan(model));
-        let plan = plan.map_err(|error| said(error.to_string()))?;
+        let plan = plan.map_err(|error| refused(&error))?;
         return Ok(Some(Box::new(Planned::following(plan))));
     }
     if let Some(kind) = PlannedKind::named(&setup.policy) {
-        let planned = kind.build(model).map_err(|error| said(error.to_string()))?;
+        let planned = kind.build(model).map_err(|error| refused(&error))?;
         return Ok(Some(Box::new(planned)));
     }
-    let kind = BaselineKind::named(&setup.policy).map_err(|error| error.to_string())?;
-    let mode = PilotMode::named(&setup.pilot).map_err(|error| format!("pilot: {error}"))?;
-    let baseline = kind.build(model, mode).map_err(|error| error.to_string())?;
-    Ok(Some(Box::new(baseline)))
-}
-
-fn said(error: Error) -> String {
-    error.to_string()
+    let baseline = |error: PolicyError<'_>| Error::Baseline(error.to_string());
+    let kind = BaselineKind::named(&setup.policy).map_err(baseline)?;
+    let mode = PilotMode::named(&setup.pilot).map_err(|error| Error::Pilot(error.to_string()))?;
+    let built = kind.build(model, mode).map_err(baseline)?;
+    Ok(Some(Box::new(built)))
 }
 
 #[cfg(test)]
@@ -340,7 +337,7 @@ mod tests {
         mission.step(&Inputs::default()).unwrap();
         assert_eq!(mission.actions, stepped);
         setup.fields.insert("uav_count".to_owned(), 6.into());
-        let refused = Mission::new(&setup).map(|_| ()).unwrap_err();
+        let refused = Mission::new(&setup).map(|_| ()).unwrap_err().to_string();
         assert!(
             refused.contains("policy = route: made for the configuration"),
             "{refused}"

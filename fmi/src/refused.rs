@@ -4,6 +4,7 @@
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
+use crate::error::Error;
 use crate::handle::{Handle, LogMessage, Status, call};
 
 /// Defines functions of the standard that are exported and always return an error.
@@ -13,8 +14,7 @@ macro_rules! refused {
         #[unsafe(no_mangle)]
         #[allow(clippy::too_many_arguments)]
         pub extern "C" fn $name(handle: *mut Handle $(, _: $type)*) -> Status {
-            let message = concat!(stringify!($name), " is not offered by this unit");
-            call(handle, |_| Err(message.to_owned()))
+            call(handle, |_| Err(Error::NotOffered(stringify!($name))))
         }
     )+ };
 }

@@ -7,6 +7,7 @@ use jcas_core::{Config, MotionMap};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::error::Error;
 use crate::mission::Inputs;
 
 /// The parameters of an instance, which are fixed once the episode begins.
@@ -53,10 +54,10 @@ impl Setup {
     ///
     /// # Errors
     /// The text names the field, the value and what is allowed.
-    pub fn config(&self) -> Result<Config, String> {
+    pub fn config(&self) -> Result<Config, Error> {
         let mut fields = self.fields.clone();
         fields.insert("preset".to_owned(), self.preset.clone().into());
-        Config::from_json(&Value::from(fields).to_string()).map_err(|error| error.to_string())
+        Ok(Config::from_json(&Value::from(fields).to_string())?)
     }
 
     /// Returns the file of the policy among the resources, by the ending of its name.
@@ -78,14 +79,14 @@ impl Setup {
     ///
     /// # Errors
     /// The call fails if the preset does not exist.
-    pub fn field(&self, name: &str) -> Result<Value, String> {
+    pub fn field(&self, name: &str) -> Result<Value, Error> {
         if let Some(value) = self.fields.get(name) {
             return Ok(value.clone());
         }
-        let preset = self
-            .preset
-            .parse()
-            .map_err(|error| format!("preset = {}: {error}", self.preset))?;
+        let preset = self.preset.parse().map_err(|source| Error::Preset {
+            name: self.preset.clone(),
+            source,
+        })?;
         let config = Config::preset(preset);
         let values = config.values();
         let index = Config::FIELDS.iter().position(|info| info.name == name);
@@ -113,7 +114,7 @@ impl Setup {
     ///
     /// # Errors
     /// The errors are those of [`Setup::field`].
-    pub fn initial_inputs(&self) -> Result<Inputs, String> {
+    pub fn initial_inputs(&self) -> Result<Inputs, Error> {
         let map = self.field("motion_map")?;
         // A name that does not exist is refused with the configuration.
         let map = map.as_str().and_then(|name| name.parse::<MotionMap>().ok());
@@ -125,9 +126,9 @@ impl Setup {
     ///
     /// # Errors
     /// The errors are those of [`Setup::field`].
-    pub fn size(&self, name: &str) -> Result<u64, String> {
+    pub fn size(&self, name: &str) -> Result<u64, Error> {
         self.field(name)?
             .as_u64()
-            .ok_or_else(|| format!("{name} is not a whole number"))
+            .ok_or_else(|| Error::NotWhole(name.to_owned()))
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ptr::null_mut;
 
+use crate::error::Error;
 use crate::handle::{Handle, Status, call, give, read, write};
 
 /// The state of an instance behind the importer's pointer, in serialised form.
@@ -17,7 +18,7 @@ pub unsafe extern "C" fn fmi3GetFMUState(
     state: *mut *mut SavedState,
 ) -> Status {
     call(handle, |handle| {
-        let slot = unsafe { state.as_mut() }.ok_or("FMUState is null")?;
+        let slot = unsafe { state.as_mut() }.ok_or_else(|| Error::Null("FMUState".to_owned()))?;
         let saved = Box::new(SavedState(handle.instance.save()?));
         if !slot.is_null() {
             drop(unsafe { Box::from_raw(*slot) });
@@ -34,7 +35,7 @@ pub unsafe extern "C" fn fmi3GetFMUState(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetFMUState(handle: *mut Handle, state: *const SavedState) -> Status {
     call(handle, |handle| {
-        let saved = unsafe { state.as_ref() }.ok_or("FMUState is null")?;
+        let saved = unsafe { state.as_ref() }.ok_or_else(|| Error::Null("FMUState".to_owned()))?;
         handle.instance = handle.instance.load(&saved.0)?;
         Ok(())
     })
@@ -71,7 +72,7 @@ pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
     size: *mut usize,
 ) -> Status {
     call(handle, |_| {
-        let saved = unsafe { state.as_ref() }.ok_or("FMUState is null")?;
+        let saved = unsafe { state.as_ref() }.ok_or_else(|| Error::Null("FMUState".to_owned()))?;
         unsafe { give(size, saved.0.len()) };
         Ok(())
     })
@@ -89,13 +90,14 @@ pub unsafe extern "C" fn fmi3SerializeFMUState(
     size: usize,
 ) -> Status {
     call(handle, |_| {
-        let saved = unsafe { state.as_ref() }.ok_or("FMUState is null")?;
+        let saved = unsafe { state.as_ref() }.ok_or_else(|| Error::Null("FMUState".to_owned()))?;
         let out = unsafe { write(bytes, size, "serializedState") }?;
         if out.len() != saved.0.len() {
-            return Err(format!(
-                "size = {size}: this state has {} bytes",
-                saved.0.len()
-            ));
+            return Err(Error::Argument {
+                argument: "size",
+                value: size.to_string(),
+                allowed: format!("this state has {} bytes", saved.0.len()),
+            });
         }
         out.copy_from_slice(&saved.0);
         Ok(())
@@ -114,7 +116,7 @@ pub unsafe extern "C" fn fmi3DeserializeFMUState(
     state: *mut *mut SavedState,
 ) -> Status {
     call(handle, |handle| {
-        let slot = unsafe { state.as_mut() }.ok_or("FMUState is null")?;
+        let slot = unsafe { state.as_mut() }.ok_or_else(|| Error::Null("FMUState".to_owned()))?;
         let bytes = unsafe { read(bytes, size, "serializedState") }?;
         handle.instance.load(bytes)?;
         if !slot.is_null() {

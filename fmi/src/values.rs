@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::error::Error;
 use crate::mission::Mission;
 use crate::variables::VariableType;
 
@@ -38,12 +39,12 @@ impl Values {
 }
 
 /// Returns the value of a field of the configuration.
-pub(crate) fn field_values(kind: VariableType, value: &Value) -> Result<Values, String> {
+pub(crate) fn field_values(kind: VariableType, value: &Value) -> Result<Values, Error> {
     Ok(match kind {
         VariableType::Float64 => Values::Float64(vec![value.as_f64().unwrap_or(f64::NAN)]),
         VariableType::UInt32 => Values::UInt32(vec![
             u32::try_from(value.as_u64().unwrap_or(0))
-                .map_err(|_| format!("{value} does not fit"))?,
+                .map_err(|_| Error::TooLarge(value.clone()))?,
         ]),
         _ => Values::String(vec![
             value
@@ -54,7 +55,7 @@ pub(crate) fn field_values(kind: VariableType, value: &Value) -> Result<Values, 
 }
 
 /// Returns the value of an output.
-pub(crate) fn output(name: &str, mission: &Mission) -> Result<Values, String> {
+pub(crate) fn output(name: &str, mission: &Mission) -> Result<Values, Error> {
     let state = mission.state()?;
     let (uavs, hotspots) = (0..state.uav_count(), 0..state.hotspot_count());
     let real = |value: f64| Values::Float64(vec![value]);
@@ -107,6 +108,6 @@ pub(crate) fn output(name: &str, mission: &Mission) -> Result<Values, String> {
             Values::UInt32(uavs.map(|i| reported(i).count() as u32).collect())
         }
         "false_confirmation_count" => Values::UInt32(vec![metrics.false_confirmations]),
-        other => return Err(format!("{other} has no value")),
+        other => return Err(Error::NoValue(other.to_owned())),
     })
 }

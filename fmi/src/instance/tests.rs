@@ -14,12 +14,12 @@ fn nan_means_derived_only_where_a_field_can_be() {
     let set = |unit: &mut Instance, name: &str, value: f64| {
         unit.set(reference_of(name), Values::Float64(vec![value]))
     };
-    assert_eq!(set(&mut unit, "cell_size_m", 40.0), Ok(()));
-    let refused = set(&mut unit, "cell_size_m", f64::NAN);
-    assert_eq!(refused, Err("cell_size_m = NaN: must be a number".into()));
+    set(&mut unit, "cell_size_m", 40.0).expect("a legal value");
+    let refused = set(&mut unit, "cell_size_m", f64::NAN).expect_err("no number");
+    assert_eq!(refused.to_string(), "cell_size_m = NaN: must be a number");
     let derived = Config::FIELDS.iter().find(|info| may_be_derived(info.name));
     let derived = derived.expect("a field can be derived").name;
-    assert_eq!(set(&mut unit, derived, f64::NAN), Ok(()));
+    set(&mut unit, derived, f64::NAN).expect("it is derived");
 }
 
 /// Five UAVs in one cell raise false alarms in half of the cells around them, so that two of
@@ -28,7 +28,7 @@ fn nan_means_derived_only_where_a_field_can_be() {
 fn reports_and_false_confirmations_are_outputs() {
     let mut unit = Instance::new(None).expect("an instance");
     let mut set = |name: &str, values: Values| {
-        assert_eq!(unit.set(reference_of(name), values), Ok(()), "{name}");
+        unit.set(reference_of(name), values).expect(name);
     };
     set("preset", Values::String(vec!["isac".into()]));
     set("uav_count", Values::UInt32(vec![5]));
@@ -57,11 +57,15 @@ fn a_fleet_without_actions_stays() {
     for map in motions {
         let mut unit = Instance::new(None).expect("an instance");
         let name = Values::String(vec![map.to_owned()]);
-        assert_eq!(unit.set(reference_of("motion_map"), name), Ok(()));
+        unit.set(reference_of("motion_map"), name).expect("a map");
         let mut mission = Mission::new(&unit.setup).expect("a mission");
-        let before = output("cell", &mission);
+        let before = output("cell", &mission).expect("an output");
         mission.step(&unit.inputs).expect("a step");
-        assert_eq!(output("cell", &mission), before, "{map}");
+        assert_eq!(
+            output("cell", &mission).expect("an output"),
+            before,
+            "{map}"
+        );
     }
 }
 
@@ -71,8 +75,8 @@ fn a_detection_table_is_a_text_in_json() {
     let mut set = |name: &str, text: &str| {
         unit.set(reference_of(name), Values::String(vec![text.to_owned()]))
     };
-    assert_eq!(set("detection_curve", "table"), Ok(()));
-    assert_eq!(set("detection_table", "[[20, 0.9], [80, 0.1]]"), Ok(()));
+    set("detection_curve", "table").expect("a curve");
+    set("detection_table", "[[20, 0.9], [80, 0.1]]").expect("a table");
     assert!(set("detection_table", "[[20, 0.9").is_err());
     let config = unit.setup.config().expect("a legal configuration");
     let points = config.detection_table.as_slice();
