@@ -10,6 +10,7 @@
 //! (`wasm.rs`). Behind `jcas play` the same function answers over the loopback interface.
 
 pub mod about;
+mod error;
 mod lines;
 pub mod mission;
 pub mod page;
@@ -17,6 +18,7 @@ mod scenes;
 #[cfg(target_family = "wasm")]
 mod wasm;
 
+use error::Refusal;
 use serde::Deserialize;
 
 /// A request of a page.
@@ -32,11 +34,12 @@ enum Question {
 /// Answers a JSON request with JSON: `{"error": "..."}` where the request is not valid.
 #[must_use]
 pub fn answer(question: &str) -> String {
-    let answered = serde_json::from_str(question)
-        .map_err(|error| format!("the question cannot be read: {error}"))
-        .and_then(|question| match question {
-            Question::About => Ok(about::about()),
-            Question::Fly(mission) => mission.fly(),
-        });
-    answered.unwrap_or_else(|error| serde_json::json!({ "error": error }).to_string())
+    let refuse = |refusal: Refusal<'_>| serde_json::json!({ "error": refusal.to_string() });
+    match serde_json::from_str(question) {
+        Err(error) => refuse(Refusal::Question(error)).to_string(),
+        Ok(Question::About) => about::about(),
+        Ok(Question::Fly(mission)) => mission
+            .fly()
+            .unwrap_or_else(|refusal| refuse(refusal).to_string()),
+    }
 }

@@ -10,6 +10,7 @@ use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
+use crate::error::Refusal;
 use crate::lines::Lines;
 
 /// The largest number of UAVs, and of hotspots, that the page accepts.
@@ -94,15 +95,14 @@ impl Mission {
     ///
     /// # Errors
     /// A message names the field, the value and the allowed values.
-    pub(crate) fn fly(&self) -> Result<String, String> {
-        let config = Config::from_json(&Value::from(self.config.clone()).to_string())
-            .map_err(|error| error.to_string())?;
+    pub(crate) fn fly(&self) -> Result<String, Refusal<'_>> {
+        let config = Config::from_json(&Value::from(self.config.clone()).to_string())?;
         check_size(&config)?;
-        let model = Model::new(config).map_err(|error| error.to_string())?;
+        let model = Model::new(config)?;
         let mut lines = Lines::new(model.uav_count(), config.horizon_steps);
         let trace = self.trace(&model, self.pilot(&model)?, &mut lines)?;
         let last = trace.steps.last().map(|step| step.state_hash);
-        let data = replay::data_of(&trace).map_err(|error| error.to_string())?;
+        let data = replay::data_of(&trace)?;
         let hash = last.unwrap_or(trace.header.initial.state_hash);
         // The episode is long and already JSON, so it is not parsed to be written again.
         Ok(format!(
@@ -112,32 +112,33 @@ impl Mission {
         ))
     }
 
-    fn pilot(&self, model: &Model<'_>) -> Result<Flyer, String> {
+    fn pilot(&self, model: &Model<'_>) -> Result<Flyer, Refusal<'_>> {
         let default = BaselineKind::default_for(model.config()).name();
         let policy = self.policy.as_deref().unwrap_or(default);
         if let Some((name, bytes)) = SHIPPED.iter().find(|(name, _)| *name == policy) {
-            let trained = Trained::read(name, bytes).map_err(|error| error.to_string())?;
-            trained.check(model).map_err(|error| error.to_string())?;
+            let trained = Trained::read(name, bytes)?;
+            trained.check(model)?;
             return Ok(Flyer::Other(Box::new(trained)));
         }
         if let Some(kind) = PlannedKind::named(policy) {
             return Ok(Flyer::Planned(planned(kind, model)?));
         }
-        let kind = BaselineKind::named(policy).map_err(|error| error.to_string())?;
-        let pilot = PilotMode::named(&self.pilot).map_err(|error| error.to_string())?;
-        let baseline = kind
-            .build(model, pilot)
-            .map_err(|error| error.to_string())?;
+        let kind = BaselineKind::named(policy).map_err(Refusal::Baseline)?;
+        let pilot = PilotMode::named(&self.pilot).map_err(Refusal::Baseline)?;
+        let baseline = kind.build(model, pilot).map_err(Refusal::Baseline)?;
         Ok(Flyer::Other(Box::new(baseline)))
     }
 
-    fn trace(&self, model: &Model<'_>, pilot: Flyer, lines: &mut Lines) -> Result<Trace, String> {
-        self.check_deeds(model)?;
+    fn trace(
+        &self,
+        model: &Model<'_>,
+        pilot: Flyer,
+        lines: &mut Lines,
+    ) -> Result<Trace, Refusal<'_>> {
+        self.check_interventions(model)?;
         let mut text = Vec::new();
-        let flown = self.record(model, pilot, lines, &mut text);
-        flown
-            .and_then(|()| trace::read(text.as_slice()))
-            .map_err(|error| error.to_string())
+        self.record(model, pilot, lines, &mut text)?;
+        Ok(trace::read(text.as_slice())?)
     }
 
     fn record(
@@ -188,22 +189,17 @@ impl Mission {
         episode.call(&Call::SetHotspots { cells: &cells })
     }
 
-    fn check_deeds(&self, model: &Model<'_>) -> Result<(), String> {
-        let below = |what: &str, index: usize, count: usize| {
-            if index < count {
-                Ok(())
-            } else {
-                Err(format!(
-                    "interventions: {what} = {index}: must be below {count}"
-                ))
-            }
+    fn check_interventions(&self, model: &Model<'_>) -> Result<(), Refusal<'_>> {
+        let below = |what: &'static str, index: usize, count: usize| {
+            let refused = Refusal::Index { what, index, count };
+            if index < count { Ok(()) } else { Err(refused) }
         };
         for (hotspot, _) in &self.moved {
             below("hotspot", *hotspot, model.hotspot_count())?;
         }
         for intervention in &self.interventions {
             if intervention.step() == 0 {
-                return Err("interventions: t = 0: the first step is 1".to_owned());
+                return Err(Refusal::StepZero);
             }
             match *intervention {
                 Intervention::Steer { uav, motion, .. } => {
@@ -240,26 +236,28 @@ impl Intervention {
     }
 }
 
-fn planned(kind: PlannedKind, model: &Model<'_>) -> Result<Planned, String> {
+fn planned(kind: PlannedKind, model: &Model<'_>) -> Result<Planned, Refusal<'static>> {
     let uav_cells = model.uav_count() as u64 * model.config().cell_count() as u64;
     if uav_cells > MOST_UAV_CELLS {
-        return Err(format!(
-            "uav_count x grid_width x grid_height = {uav_cells}: the page plans for at most \
-             {MOST_UAV_CELLS}"
-        ));
+        return Err(Refusal::PlanSize {
+            field: "uav_count x grid_width x grid_height",
+            value: uav_cells,
+            most: MOST_UAV_CELLS,
+        });
     }
     let steps = model.config().horizon_steps;
     if steps > MOST_PLANNED_STEPS {
-        return Err(format!(
-            "horizon_steps = {steps}: the page plans for at most {MOST_PLANNED_STEPS}"
-        ));
+        return Err(Refusal::PlanSize {
+            field: "horizon_steps",
+            value: steps.into(),
+            most: MOST_PLANNED_STEPS.into(),
+        });
     }
-    kind.build_in(model, SEARCH_ITERATIONS)
-        .map_err(|error| error.to_string())
+    Ok(kind.build_in(model, SEARCH_ITERATIONS)?)
 }
 
 /// Refuses a mission that would take minutes, since a person waits for the page.
-fn check_size(config: &Config) -> Result<(), String> {
+fn check_size(config: &Config) -> Result<(), Refusal<'static>> {
     let agent_steps = u64::from(config.uav_count) * u64::from(config.horizon_steps);
     for (field, value, most) in [
         (
@@ -280,7 +278,7 @@ fn check_size(config: &Config) -> Result<(), String> {
         ("uav_count x horizon_steps", agent_steps, MOST_AGENT_STEPS),
     ] {
         if value > most {
-            return Err(format!("{field} = {value}: the page runs at most {most}"));
+            return Err(Refusal::RunSize { field, value, most });
         }
     }
     Ok(())
