@@ -14,7 +14,7 @@ use crate::error::CliError;
 use crate::files;
 use crate::learned::PolicyFactory;
 use crate::options::ThreadOptions;
-use crate::shard::{Build, Head, Manifest, hash_of_policy, require_equal};
+use crate::shard::{Build, Head, Manifest, ManifestError, hash_of_policy, require_equal};
 
 /// What an evaluation flies. Its results follow from it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -112,15 +112,18 @@ impl Manifest for EvaluationPart {
         }
     }
 
-    fn check(&self) -> Result<(), String> {
-        let (shard, flown, all) = (self.shard, self.missions.len(), self.missions_in_all());
-        let own = shard.cell_count(all);
-        if flown == own {
+    fn check(&self) -> Result<(), ManifestError> {
+        let (shard, count, all) = (self.shard, self.missions.len(), self.missions_in_all());
+        let needed = shard.cell_count(all);
+        if count == needed {
             return Ok(());
         }
-        Err(format!(
-            "it has {flown} missions: must be {own}, shard {shard} of {all}"
-        ))
+        Err(ManifestError::Missions {
+            count,
+            needed,
+            shard,
+            all,
+        })
     }
 
     fn require_same_work(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError> {

@@ -1,7 +1,43 @@
-//! Numbers on the command line: an error names the option, the value and the range.
+//! Values of options on the command line: an error says what is allowed.
 
 use clap::Command;
-use jcas_core::Config;
+use displaydoc::Display;
+use jcas_core::{Cell, Config};
+
+/// The reason why a text is no value of an option.
+#[derive(Clone, Debug, Display, PartialEq, thiserror::Error)]
+pub enum ValueError {
+    /// must be a whole number from {low} to {high}
+    Whole {
+        /// The least number.
+        low: u64,
+        /// The greatest number.
+        high: u64,
+    },
+    /// {field} = {text}: must be a whole number from {low} to {high}
+    Field {
+        /// The field of the configuration.
+        field: &'static str,
+        /// The text.
+        text: String,
+        /// The least number.
+        low: f64,
+        /// The greatest number.
+        high: f64,
+    },
+    /// must be a number above 0
+    NotPositive,
+    /// must be 0x and up to sixteen hexadecimal digits, or a decimal number
+    Seed,
+    /// must be a column and a row, such as 3,8
+    Cell,
+    #[displaydoc(
+        "must be a latitude above -89 and below 89 and a longitude from -180 to 180, such as \
+         48.137,11.575"
+    )]
+    /// The text is no latitude and longitude.
+    Place,
+}
 
 /// Lets every option take a negative number, which its parser then refuses with a range. Otherwise
 /// clap takes the number for an unknown option.
@@ -19,7 +55,7 @@ pub fn accept_negative(command: Command) -> Command {
 ///
 /// # Errors
 /// The text is none.
-pub fn whole(text: &str) -> Result<u64, String> {
+pub fn whole(text: &str) -> Result<u64, ValueError> {
     from(0, text)
 }
 
@@ -27,14 +63,17 @@ pub fn whole(text: &str) -> Result<u64, String> {
 ///
 /// # Errors
 /// The text is none.
-pub fn above_zero(text: &str) -> Result<u64, String> {
+pub fn above_zero(text: &str) -> Result<u64, ValueError> {
     from(1, text)
 }
 
-fn from(low: u64, text: &str) -> Result<u64, String> {
+fn from(low: u64, text: &str) -> Result<u64, ValueError> {
     match text.parse() {
         Ok(number) if number >= low => Ok(number),
-        _ => Err(format!("must be a whole number from {low} to {}", u64::MAX)),
+        _ => {
+            let high = u64::MAX;
+            Err(ValueError::Whole { low, high })
+        }
     }
 }
 
@@ -42,7 +81,7 @@ fn from(low: u64, text: &str) -> Result<u64, String> {
 ///
 /// # Errors
 /// No configuration may have this value.
-pub fn uavs(text: &str) -> Result<u32, String> {
+pub fn uavs(text: &str) -> Result<u32, ValueError> {
     field("uav_count", text)
 }
 
@@ -50,17 +89,71 @@ pub fn uavs(text: &str) -> Result<u32, String> {
 ///
 /// # Errors
 /// No configuration may have this value.
-pub fn hotspots(text: &str) -> Result<u32, String> {
+pub fn hotspots(text: &str) -> Result<u32, ValueError> {
     field("hotspot_count", text)
 }
 
-fn field(name: &str, text: &str) -> Result<u32, String> {
-    let info = Config::FIELDS.iter().find(|info| info.name == name);
+fn field(field: &'static str, text: &str) -> Result<u32, ValueError> {
+    let info = Config::FIELDS.iter().find(|info| info.name == field);
     let (low, high) = info.map_or((0.0, 0.0), |info| (info.low, info.high));
     match text.parse::<u32>() {
         Ok(number) if (low..=high).contains(&f64::from(number)) => Ok(number),
-        _ => Err(format!(
-            "{name} = {text}: must be a whole number from {low} to {high}"
-        )),
+        _ => {
+            let text = text.to_owned();
+            Err(ValueError::Field {
+                field,
+                text,
+                low,
+                high,
+            })
+        }
     }
+}
+
+/// Parses a number above 0, such as a duration.
+///
+/// # Errors
+/// The text is none.
+pub fn positive(text: &str) -> Result<f64, ValueError> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err(ValueError::NotPositive),
+    }
+}
+
+/// Parses the seed of an episode.
+///
+/// # Errors
+/// The text is none.
+pub fn seed(text: &str) -> Result<u64, ValueError> {
+    let seed = match text.strip_prefix("0x") {
+        Some(digits) => u64::from_str_radix(digits, 16),
+        None => text.parse(),
+    };
+    seed.or(Err(ValueError::Seed))
+}
+
+/// Parses a cell.
+///
+/// # Errors
+/// The text is none.
+pub fn cell(text: &str) -> Result<Cell, ValueError> {
+    let pair = text.split_once(',').and_then(|(x, y)| {
+        let (x, y) = (x.trim().parse().ok()?, y.trim().parse().ok()?);
+        Some(Cell { x, y })
+    });
+    pair.ok_or(ValueError::Cell)
+}
+
+/// Parses a latitude and a longitude, in degrees.
+///
+/// # Errors
+/// The text is none.
+pub fn place(text: &str) -> Result<(f64, f64), ValueError> {
+    let pair = text.split_once(',').and_then(|(latitude, longitude)| {
+        let latitude: f64 = latitude.trim().parse().ok()?;
+        let longitude: f64 = longitude.trim().parse().ok()?;
+        (latitude.abs() < 89.0 && longitude.abs() <= 180.0).then_some((latitude, longitude))
+    });
+    pair.ok_or(ValueError::Place)
 }

@@ -204,7 +204,7 @@ pub struct EpisodeOptions {
     #[arg(
         long,
         value_name = "S",
-        value_parser = parse_seed,
+        value_parser = numbers::seed,
         conflicts_with_all = ["seed", "episode"],
         help_heading = "Episode"
     )]
@@ -217,14 +217,6 @@ impl EpisodeOptions {
         self.episode_seed
             .unwrap_or_else(|| derive_seed(self.seed, self.episode))
     }
-}
-
-fn parse_seed(text: &str) -> Result<u64, String> {
-    match text.strip_prefix("0x") {
-        Some(digits) => u64::from_str_radix(digits, 16),
-        None => text.parse(),
-    }
-    .map_err(|_| "must be 0x and up to sixteen hexadecimal digits, or a decimal number".to_owned())
 }
 
 /// Option for the number of threads.

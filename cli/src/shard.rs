@@ -4,6 +4,7 @@ use core::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use displaydoc::Display;
 use jcas_core::hash::Fnv1a;
 use jcas_episode::card::{CARD, WEIGHTS};
 use jcas_episode::files::{WEIGHTS_BYTES_MAX, read};
@@ -59,6 +60,46 @@ pub struct Head<'m> {
     pub shard: Shard,
 }
 
+/// The reason why bytes are no manifest of a part.
+#[derive(Debug, Display, thiserror::Error)]
+pub enum ManifestError {
+    /// {0}
+    Json(#[from] serde_json::Error),
+    /// format = {format}: must be {needed}
+    Format {
+        /// The version that the manifest states.
+        format: u32,
+        /// The version that this program reads.
+        needed: u32,
+    },
+    /// shard = {0}: must be i/n, 1 <= i <= n
+    Shard(Shard),
+    /// it has {count} missions: must be {needed}, shard {shard} of {all}
+    Missions {
+        /// The missions of the manifest.
+        count: usize,
+        /// The missions of the part.
+        needed: usize,
+        /// The part.
+        shard: Shard,
+        /// The missions of all parts.
+        all: usize,
+    },
+    /// it has {count} keys: must be {needed}, shard {shard} of {all} cells
+    Keys {
+        /// The keys of the manifest.
+        count: usize,
+        /// The cells of the part.
+        needed: usize,
+        /// The part.
+        shard: Shard,
+        /// The cells of all parts.
+        all: usize,
+    },
+    /// a key is longer than the columns
+    LongKey,
+}
+
 /// What the manifests of all computations have in common.
 pub trait Manifest: Serialize + DeserializeOwned {
     /// What the manifest describes, such as `a sweep's shard`.
@@ -77,8 +118,8 @@ pub trait Manifest: Serialize + DeserializeOwned {
     /// Checks what else the manifest says of its part.
     ///
     /// # Errors
-    /// What is wrong.
-    fn check(&self) -> Result<(), String> {
+    /// The part does not have what the manifest says.
+    fn check(&self) -> Result<(), ManifestError> {
         Ok(())
     }
 
@@ -111,21 +152,27 @@ pub trait Manifest: Serialize + DeserializeOwned {
     /// The file cannot be read, or is no such manifest.
     fn read(path: &Path) -> Result<Self, CliError> {
         let bytes = files::read_bytes(path)?;
-        let refuse = |what: &dyn fmt::Display| {
-            let what = format!("is no manifest of {}: {what}", Self::DESCRIBES);
+        Self::parse(&bytes).map_err(|error| {
+            let what = format!("is no manifest of {}: {error}", Self::DESCRIBES);
             CliError::file(path, what)
-        };
-        let manifest: Self = serde_json::from_slice(&bytes).map_err(|error| refuse(&error))?;
+        })
+    }
+
+    /// Parses a manifest and checks that it describes the part that it names.
+    ///
+    /// # Errors
+    /// The bytes are no such manifest.
+    fn parse(bytes: &[u8]) -> Result<Self, ManifestError> {
+        let manifest: Self = serde_json::from_slice(bytes)?;
         let Head { format, shard, .. } = manifest.head();
         if format != Self::FORMAT {
-            let what = format!("format = {format}: must be {}", Self::FORMAT);
-            return Err(refuse(&what));
+            let needed = Self::FORMAT;
+            return Err(ManifestError::Format { format, needed });
         }
         if !shard.is_valid() {
-            let what = format!("shard = {shard}: must be i/n, 1 <= i <= n");
-            return Err(refuse(&what));
+            return Err(ManifestError::Shard(shard));
         }
-        manifest.check().map_err(|what| refuse(&what))?;
+        manifest.check()?;
         Ok(manifest)
     }
 

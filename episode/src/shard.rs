@@ -15,10 +15,14 @@ pub struct Shard {
     pub count: usize,
 }
 
-impl FromStr for Shard {
-    type Err = String;
+/// must be i/n with 1 <= i <= n, such as 2/8
+#[derive(Clone, Copy, Debug, PartialEq, Eq, displaydoc::Display, thiserror::Error)]
+pub struct NotAShard;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for Shard {
+    type Err = NotAShard;
+
+    fn from_str(text: &str) -> Result<Self, NotAShard> {
         text.split_once('/')
             .and_then(|(number, count)| {
                 Some(Self {
@@ -27,7 +31,7 @@ impl FromStr for Shard {
                 })
             })
             .filter(Shard::is_valid)
-            .ok_or_else(|| "must be i/n with 1 <= i <= n, such as 2/8".to_owned())
+            .ok_or(NotAShard)
     }
 }
 

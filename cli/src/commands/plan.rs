@@ -42,10 +42,10 @@ pub struct Plan {
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = numbers::whole)]
     plan_seed: u64,
     /// Seconds after which the annealing ends early
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::positive)]
     time_limit: Option<f64>,
     /// Cell of a known hotspot, x,y; repeat the option for each hotspot
-    #[arg(long, value_name = "X,Y", value_parser = cell, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y", value_parser = numbers::cell, allow_hyphen_values = true)]
     hotspot: Vec<Cell>,
     #[command(flatten)]
     episode: EpisodeOptions,
@@ -74,7 +74,7 @@ pub struct Plan {
     #[arg(
         long,
         value_name = "LAT,LON",
-        value_parser = place,
+        value_parser = numbers::place,
         allow_hyphen_values = true,
         help_heading = "Output"
     )]
@@ -84,41 +84,13 @@ pub struct Plan {
         long,
         value_name = "M",
         default_value_t = 50.0,
-        value_parser = positive,
+        value_parser = numbers::positive,
         help_heading = "Output"
     )]
     altitude_m: f64,
     /// Print JSON
     #[arg(long)]
     json: bool,
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("must be a number above 0".to_owned()),
-    }
-}
-
-fn cell(text: &str) -> Result<Cell, String> {
-    let pair = text.split_once(',').and_then(|(x, y)| {
-        let (x, y) = (x.trim().parse().ok()?, y.trim().parse().ok()?);
-        Some(Cell { x, y })
-    });
-    pair.ok_or_else(|| "must be a column and a row, such as 3,8".to_owned())
-}
-
-fn place(text: &str) -> Result<(f64, f64), String> {
-    let pair = text.split_once(',').and_then(|(latitude, longitude)| {
-        let latitude: f64 = latitude.trim().parse().ok()?;
-        let longitude: f64 = longitude.trim().parse().ok()?;
-        (latitude.abs() < 89.0 && longitude.abs() <= 180.0).then_some((latitude, longitude))
-    });
-    pair.ok_or_else(|| {
-        "must be a latitude above -89 and below 89 and a longitude from -180 to 180, such as \
-         48.137,11.575"
-            .to_owned()
-    })
 }
 
 impl Plan {

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::plan::SweepCell;
 use super::store::{Frame, Store};
 use crate::error::CliError;
-use crate::shard::{Build, Head, Manifest, require_equal};
+use crate::shard::{Build, Head, Manifest, ManifestError, require_equal};
 
 /// Opens the table of a part and returns its cells. The manifest is on file before the first cell
 /// runs, so that rows of another build are not continued.
@@ -98,17 +98,20 @@ impl Manifest for SweepManifest {
         }
     }
 
-    fn check(&self) -> Result<(), String> {
+    fn check(&self) -> Result<(), ManifestError> {
         let Frame { columns, keys } = &self.frame;
-        let (shard, rows, all) = (self.shard, keys.len(), self.cells_in_all);
-        let own = shard.cell_count(all);
-        if rows != own {
-            return Err(format!(
-                "it has {rows} keys: must be {own}, shard {shard} of {all} cells"
-            ));
+        let (shard, count, all) = (self.shard, keys.len(), self.cells_in_all);
+        let needed = shard.cell_count(all);
+        if count != needed {
+            return Err(ManifestError::Keys {
+                count,
+                needed,
+                shard,
+                all,
+            });
         }
         if keys.iter().any(|key| key.len() > columns.len()) {
-            return Err("a key is longer than the columns".to_owned());
+            return Err(ManifestError::LongKey);
         }
         Ok(())
     }
