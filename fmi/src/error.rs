@@ -92,7 +92,7 @@ pub enum Error {
     Preset {
         /// The parameter `preset`.
         name: String,
-        /// The names that there are.
+        /// The known names.
         source: jcas_core::config::UnknownName,
     },
     /// {0}

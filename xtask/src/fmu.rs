@@ -4,6 +4,7 @@ use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::error::Error;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -14,25 +15,25 @@ const LICENSES: [(&str, &str); 2] = [
 ];
 
 /// Builds the unit for this machine and writes `target/fmu/jcas.fmu`, or the file after `--out`.
-pub fn run(arguments: &[String]) -> Result<bool, String> {
+pub fn run(arguments: &[String]) -> Result<bool, Error> {
     let out = match arguments {
         [] => PathBuf::from("target/fmu/jcas.fmu"),
         [option, file] if option == "--out" => PathBuf::from(file),
-        _ => return Err("fmu takes --out FILE".to_owned()),
+        _ => return Err(Error::Usage("fmu takes --out FILE")),
     };
     let binary = Binary {
         platform: platform(),
         extension: extension(),
         library: build()?,
     };
-    let archive = pack(&[binary]).map_err(|error| format!("{}: {error}", out.display()))?;
-    let said = |error: std::io::Error| format!("{}: {error}", out.display());
+    let archive = pack(&[binary]).map_err(Error::Unit)?;
+    let explain = Error::file(&out);
     if let Some(folder) = out.parent() {
-        std::fs::create_dir_all(folder).map_err(said)?;
+        std::fs::create_dir_all(folder).map_err(&explain)?;
     }
     let unfinished = out.with_extension("part");
-    std::fs::write(&unfinished, &archive).map_err(said)?;
-    std::fs::rename(&unfinished, &out).map_err(said)?;
+    std::fs::write(&unfinished, &archive).map_err(&explain)?;
+    std::fs::rename(&unfinished, &out).map_err(&explain)?;
     println!("{} ({} kB)", out.display(), archive.len() / 1000);
     Ok(true)
 }
@@ -89,16 +90,16 @@ fn extension() -> &'static str {
 }
 
 /// The bytes of the unit's library.
-fn build() -> Result<Vec<u8>, String> {
+fn build() -> Result<Vec<u8>, Error> {
     let built = Command::new("cargo")
         .args(["build", "--release", "--lib", "--package", "jcas-fmi"])
         .status()
-        .map_err(|error| format!("cargo does not start: {error}"))?;
+        .map_err(Error::start("cargo"))?;
     if !built.success() {
-        return Err("the unit does not build".to_owned());
+        return Err(Error::UnitBuild);
     }
     let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
     let file = format!("{}jcas_fmi.{}", std::env::consts::DLL_PREFIX, extension());
     let library = Path::new(&target).join("release").join(file);
-    std::fs::read(&library).map_err(|error| format!("{}: {error}", library.display()))
+    std::fs::read(&library).map_err(Error::file(&library))
 }

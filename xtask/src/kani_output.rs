@@ -4,6 +4,7 @@
 //! when every assertion is unreachable. This module therefore derives the verdict from the single
 //! checks.
 
+use crate::error::Error;
 use jcas_ledger::ProofVerdict;
 use serde::Deserialize;
 
@@ -111,8 +112,8 @@ impl Refused {
 }
 
 impl Export {
-    pub fn parse(text: &str) -> Result<Self, String> {
-        serde_json::from_str(text).map_err(|error| format!("Kani's export is broken: {error}"))
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        serde_json::from_str(text).map_err(Error::Export)
     }
 
     pub fn kani(&self) -> &str {
@@ -323,7 +324,7 @@ pub mod tests {
     fn half_an_export_is_an_error() {
         for length in [0, 1, PROVEN.len() / 2, PROVEN.len() - 2] {
             let error = Export::parse(&PROVEN[..length]).unwrap_err();
-            assert!(error.contains("broken"), "{error}");
+            assert!(error.to_string().contains("broken"), "{error}");
         }
     }
 

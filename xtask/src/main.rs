@@ -1,6 +1,7 @@
 //! Development tasks of jcas: `cargo xtask <task>`.
 
 mod dist;
+mod error;
 mod fmu;
 mod kani_output;
 mod mutants;
@@ -40,13 +41,13 @@ fn main() -> ExitCode {
         Some((task, options)) if task == "fmu" => fmu::run(options),
         Some((task, options)) if task == "dist" => dist::run(options),
         Some((task, options)) if task == "web" => web::run(options),
-        _ => Err(USAGE.to_owned()),
+        _ => Err(error::Error::Usage(USAGE)),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
-        Err(message) => {
-            eprintln!("{message}");
+        Err(error) => {
+            eprintln!("{error}");
             ExitCode::from(2)
         }
     }

@@ -5,6 +5,7 @@
 //! in the copy without the edit and fail with it; and with `--kani`, so must the proof.
 //! RESULTS.md tells what Kani said.
 
+use crate::error::Error;
 use crate::kani_output::{Proven, Refused};
 use crate::{process, prove, report};
 use jcas_ledger::{
@@ -28,7 +29,7 @@ const CRATES: [&str; 7] = [
 ];
 
 /// Tries the mutants that `names` select; true if every one is caught.
-pub fn run(arguments: &[String]) -> Result<bool, String> {
+pub fn run(arguments: &[String]) -> Result<bool, Error> {
     let with_kani = arguments.iter().any(|argument| argument == "--kani");
     let names: Vec<String> = arguments
         .iter()
@@ -93,7 +94,7 @@ enum Twin {
 }
 
 impl Copy {
-    fn make() -> Result<Self, String> {
+    fn make() -> Result<Self, Error> {
         let root = workspace_root().join("target/proofs/mutants");
         for name in CRATES {
             copy_folder(&workspace_root().join(name), &root.join(name))?;
@@ -113,7 +114,7 @@ impl Copy {
         proof: &Proof,
         before: Twin,
         sources: Option<&Sources>,
-    ) -> Result<(String, String), String> {
+    ) -> Result<(String, String), Error> {
         // A harness that is verified on these sources need not be proven once more.
         let proven = match sources {
             Some(now) if Results::read()?.is_current(proof, now) => None,
@@ -134,12 +135,12 @@ impl Copy {
     }
 
     /// Kani's result for the harness in the copy as it is.
-    fn prove(&self, proof: &Proof, now: &Sources) -> Result<Result<Proven, Refused>, String> {
+    fn prove(&self, proof: &Proof, now: &Sources) -> Result<Result<Proven, Refused>, Error> {
         let (mut judged, _) = prove::prove(&[proof], &self.root, now)?;
         Ok(judged.remove(0).verdict)
     }
 
-    fn run_twin(&self, proof: &Proof) -> Result<Twin, String> {
+    fn run_twin(&self, proof: &Proof) -> Result<Twin, Error> {
         let mut command = Command::new("cargo");
         command
             .current_dir(&self.root)
@@ -197,38 +198,39 @@ fn twin_verdict(before: Twin, after: Twin) -> &'static str {
 }
 
 /// The text after the one edit of a mutant.
-fn apply(mutant: &Mutant, text: &str) -> Result<String, String> {
+fn apply(mutant: &Mutant, text: &str) -> Result<String, Error> {
     match text.matches(&mutant.find).count() {
         1 => Ok(text.replace(&mutant.find, &mutant.replace)),
-        n => Err(format!(
-            "{}: {n} places instead of 1 read `{}`",
-            mutant.file, mutant.find
-        )),
+        places => Err(Error::Places {
+            file: mutant.file.clone(),
+            places,
+            find: mutant.find.clone(),
+        }),
     }
 }
 
 /// The workspace's manifest with only the copied crates as members.
-fn with_members(manifest: &str) -> Result<String, String> {
+fn with_members(manifest: &str) -> Result<String, Error> {
     manifest
         .split_once("\nmembers = [")
         .and_then(|(before, list)| Some((before, list.split_once(']')?.1)))
         .map(|(before, after)| format!("{before}\nmembers = {CRATES:?}{after}"))
-        .ok_or_else(|| "Cargo.toml: no line begins with `members = [`".to_owned())
+        .ok_or(Error::NoMembers)
 }
 
 /// Copies only the files that have changed, so that Cargo rebuilds only what depends on them.
-fn copy_folder(from: &Path, to: &Path) -> Result<(), String> {
-    let explain = |error: std::io::Error| format!("{}: {error}", from.display());
-    for entry in std::fs::read_dir(from).map_err(explain)? {
-        let entry = entry.map_err(explain)?;
+fn copy_folder(from: &Path, to: &Path) -> Result<(), Error> {
+    let explain = Error::file(from);
+    for entry in std::fs::read_dir(from).map_err(&explain)? {
+        let entry = entry.map_err(&explain)?;
         let (source, target) = (entry.path(), to.join(entry.file_name()));
-        if entry.file_type().map_err(explain)?.is_dir() {
+        if entry.file_type().map_err(&explain)?.is_dir() {
             copy_folder(&source, &target)?;
         } else {
-            let bytes = std::fs::read(&source).map_err(explain)?;
+            let bytes = std::fs::read(&source).map_err(&explain)?;
             if std::fs::read(&target).ok().as_ref() != Some(&bytes) {
-                std::fs::create_dir_all(to).map_err(explain)?;
-                std::fs::write(&target, bytes).map_err(explain)?;
+                std::fs::create_dir_all(to).map_err(&explain)?;
+                std::fs::write(&target, bytes).map_err(&explain)?;
             }
         }
     }
@@ -256,11 +258,13 @@ mod tests {
         assert!(
             apply(&mutant("a + b"), "let c = a;")
                 .unwrap_err()
+                .to_string()
                 .contains("0 places")
         );
         assert!(
             apply(&mutant("a"), "a + a")
                 .unwrap_err()
+                .to_string()
                 .contains("2 places")
         );
     }

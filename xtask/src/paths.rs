@@ -1,11 +1,12 @@
 //! Paths of this machine, and how they stay out of what is built.
 
+use crate::error::Error;
 use std::path::{Path, PathBuf};
 
 /// Options of the compiler that keep the paths of this machine out of what it writes. The folder
 /// is the one that Cargo builds in.
-pub fn without_paths(folder: &Path) -> Result<Vec<String>, String> {
-    let home = std::env::var_os("HOME").ok_or("HOME is not set")?;
+pub fn without_paths(folder: &Path) -> Result<Vec<String>, Error> {
+    let home = std::env::var_os("HOME").ok_or(Error::NoHome)?;
     let cargo = std::env::var_os("CARGO_HOME")
         .map_or_else(|| Path::new(&home).join(".cargo"), PathBuf::from);
     // The last that fits counts.
@@ -21,6 +22,6 @@ pub fn without_paths(folder: &Path) -> Result<Vec<String>, String> {
 }
 
 /// The path from the root of the file system.
-pub fn absolute(path: &Path) -> Result<PathBuf, String> {
-    std::path::absolute(path).map_err(|error| format!("{}: {error}", path.display()))
+pub fn absolute(path: &Path) -> Result<PathBuf, Error> {
+    std::path::absolute(path).map_err(Error::file(path))
 }

@@ -1,5 +1,6 @@
 //! Runs a command with a time limit and keeps its output.
 
+use crate::error::Error;
 use std::io::Read;
 use std::os::unix::process::CommandExt;
 use std::process::{Command, Stdio};
@@ -20,7 +21,7 @@ pub struct Finished {
 
 /// Runs the command in a process group of its own, which is killed at the limit.
 /// A solver is a grandchild, and would outlive its parent.
-pub fn run(command: &mut Command, limit: Duration) -> Result<Finished, String> {
+pub fn run(command: &mut Command, limit: Duration) -> Result<Finished, Error> {
     let start = Instant::now();
     let mut child = command
         .process_group(0)
@@ -28,13 +29,13 @@ pub fn run(command: &mut Command, limit: Duration) -> Result<Finished, String> {
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
-        .map_err(|error| format!("cannot start {command:?}: {error}"))?;
+        .map_err(Error::start(&command.get_program().to_string_lossy()))?;
     let stdout = child.stdout.take().map(collect);
     let stderr = child.stderr.take().map(collect);
 
     let mut timed_out = false;
     let status = loop {
-        if let Some(status) = child.try_wait().map_err(|error| error.to_string())? {
+        if let Some(status) = child.try_wait().map_err(Error::Wait)? {
             break status;
         }
         if !timed_out && start.elapsed() > limit {
@@ -43,7 +44,10 @@ pub fn run(command: &mut Command, limit: Duration) -> Result<Finished, String> {
             Command::new("kill")
                 .args(["-KILL", "--", &group])
                 .status()
-                .map_err(|error| format!("cannot stop {command:?}: {error}"))?;
+                .map_err(|source| Error::Stop {
+                    command: format!("{command:?}"),
+                    source,
+                })?;
         }
         thread::sleep(Duration::from_millis(50));
     };

@@ -1,5 +1,6 @@
 //! Runs the harnesses under Kani and records its verdict on each.
 
+use crate::error::Error;
 use crate::kani_output::{self, Export, Proven, Refused};
 use crate::process;
 use jcas_ledger::{
@@ -29,13 +30,13 @@ pub struct Judged {
 
 /// Proves the harnesses that `arguments` select and records the verdicts; true if all were proven.
 /// `--changed` leaves out those that are verified on these sources.
-pub fn run(arguments: &[String]) -> Result<bool, String> {
+pub fn run(arguments: &[String]) -> Result<bool, Error> {
     let (options, names): (Vec<_>, Vec<_>) = arguments
         .iter()
         .cloned()
         .partition(|argument| argument.starts_with("--"));
     if let Some(unknown) = options.iter().find(|option| *option != "--changed") {
-        return Err(format!("no option {unknown}: prove knows --changed"));
+        return Err(Error::ProveOption(unknown.clone()));
     }
     let ledger = Ledger::read()?;
     let mut proofs = ledger.select(&names)?;
@@ -142,7 +143,7 @@ pub fn prove(
     group: &[&Proof],
     root: &Path,
     sources: &Sources,
-) -> Result<(Vec<Judged>, Option<Versions>), String> {
+) -> Result<(Vec<Judged>, Option<Versions>), Error> {
     // A name of this process alone: runs side by side must not read each other's export.
     let name = format!("jcas-kani-{}.json", std::process::id());
     let path = std::env::temp_dir().join(name);
@@ -157,7 +158,9 @@ pub fn prove(
         .args(arguments(group, &path));
     let limit = Duration::from_secs(LIMIT_S * group.len() as u64 + BUILD_S);
     let finished = process::run(&mut command, limit)?;
-    let export = read(&path).and_then(|text| Export::parse(&text));
+    let export = read(&path)
+        .map_err(Error::from)
+        .and_then(|text| Export::parse(&text));
     let _ = std::fs::remove_file(&path);
     let versions = export.as_ref().ok();
     let versions = versions.map(|export| (export.kani().to_owned(), export.cbmc().to_owned()));
@@ -175,7 +178,7 @@ pub fn prove(
 fn judge(
     group: &[&Proof],
     finished: &process::Finished,
-    export: &Result<Export, String>,
+    export: &Result<Export, Error>,
     files: impl Fn(&str) -> Vec<String>,
 ) -> Vec<Judged> {
     let mut judged = Vec::new();
@@ -187,7 +190,7 @@ fn judge(
                 Err(Refused::new(ProofVerdict::Unfinished, why))
             }
             Err(broken) => {
-                let why = explain(&finished.output, broken);
+                let why = explain(&finished.output, &broken.to_string());
                 Err(Refused::new(ProofVerdict::Unfinished, why))
             }
         };
@@ -242,7 +245,7 @@ fn line(judged: &Judged) -> String {
 }
 
 /// Writes the verdicts into `results.toml` and regenerates the page.
-fn record(ledger: &Ledger, run: Run, judged: Vec<Judged>, sources: &Sources) -> Result<(), String> {
+fn record(ledger: &Ledger, run: Run, judged: Vec<Judged>, sources: &Sources) -> Result<(), Error> {
     let mut results = Results::read()?;
     let outcomes = judged
         .into_iter()
@@ -253,11 +256,14 @@ fn record(ledger: &Ledger, run: Run, judged: Vec<Judged>, sources: &Sources) -> 
 }
 
 /// Writes the results and their page.
-pub fn publish(ledger: &Ledger, mut results: Results, sources: &Sources) -> Result<(), String> {
+pub fn publish(ledger: &Ledger, mut results: Results, sources: &Sources) -> Result<(), Error> {
     results.prune(ledger);
     results.write()?;
     let page = jcas_ledger::page(ledger, &results, sources);
-    jcas_ledger::write(&workspace_root().join("verification/RESULTS.md"), &page)
+    Ok(jcas_ledger::write(
+        &workspace_root().join("verification/RESULTS.md"),
+        &page,
+    )?)
 }
 
 fn outcome(judged: Judged, commit: &str, sources: &Sources) -> Outcome {
@@ -306,22 +312,21 @@ fn other_solver(asked: Solver, ran: Option<&str>) -> Option<String> {
 }
 
 /// An error with the installation command where Kani is missing or older than its export.
-pub fn require_kani() -> Result<(), String> {
+pub fn require_kani() -> Result<(), Error> {
     let help = Command::new("cargo").args(["kani", "--help"]).output();
-    let help = help.map_err(|error| format!("cannot start cargo: {error}"))?;
+    let help = help.map_err(Error::start("cargo"))?;
     if String::from_utf8_lossy(&help.stdout).contains("--export-json") {
         return Ok(());
     }
-    Err(
+    Err(Error::Usage(
         "There is no Kani with --export-json, which 0.68 has: `cargo install --locked \
          kani-verifier && cargo kani setup`.\nWithout it, `cargo test` runs every harness on \
-         random inputs, which is a test and not a proof."
-            .to_owned(),
-    )
+         random inputs, which is a test and not a proof.",
+    ))
 }
 
 /// The abbreviated commit, or `None` where the ledger or a source has uncommitted changes.
-fn clean_commit(root: &Path, ledger: &Ledger) -> Result<Option<String>, String> {
+fn clean_commit(root: &Path, ledger: &Ledger) -> Result<Option<String>, Error> {
     let root = root.to_string_lossy();
     let mut arguments = vec!["-C", &root, "status", "--porcelain", "--"];
     arguments.push("verification/proofs.toml");
@@ -342,11 +347,12 @@ fn machine() -> String {
 }
 
 /// The first line of a command's output.
-fn output(program: &str, arguments: &[&str]) -> Result<String, String> {
+fn output(program: &str, arguments: &[&str]) -> Result<String, Error> {
     let run = Command::new(program).args(arguments).output();
-    let run = run.map_err(|error| format!("cannot start {program}: {error}"))?;
+    let run = run.map_err(Error::start(program))?;
     if !run.status.success() {
-        return Err(String::from_utf8_lossy(&run.stderr).into_owned());
+        let printed = String::from_utf8_lossy(&run.stderr).into_owned();
+        return Err(Error::Printed(printed));
     }
     let text = String::from_utf8_lossy(&run.stdout);
     Ok(text.lines().next().unwrap_or_default().to_owned())

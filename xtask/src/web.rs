@@ -6,37 +6,45 @@ use std::process::Command;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+use crate::error::Error;
 use crate::paths::{absolute, without_paths};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
 /// Builds the kernel for the browser, unless it is given with `--wasm FILE`, and writes
 /// `target/web/index.html`, or the file after `--out`.
-pub fn run(arguments: &[String]) -> Result<bool, String> {
+pub fn run(arguments: &[String]) -> Result<bool, Error> {
     let (mut wasm, mut out) = (None, PathBuf::from("target/web/index.html"));
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {
         let mut value = || {
-            rest.next()
-                .ok_or(format!("{argument} needs a file after it"))
+            rest.next().ok_or_else(|| Error::NoValue {
+                option: argument.clone(),
+                value: "a file",
+            })
         };
         match argument.as_str() {
             "--wasm" => wasm = Some(PathBuf::from(value()?)),
             "--out" => out = PathBuf::from(value()?),
-            other => return Err(format!("{other}: there are --wasm FILE and --out FILE")),
+            other => {
+                return Err(Error::UnknownOption {
+                    option: other.to_owned(),
+                    allowed: "--wasm FILE and --out FILE",
+                });
+            }
         }
     }
     let wasm = match wasm {
-        Some(file) => std::fs::read(&file).map_err(said(&file))?,
+        Some(file) => std::fs::read(&file).map_err(Error::file(&file))?,
         None => build(&absolute(Path::new("target/web"))?)?,
     };
     let page = page(&wasm);
     if let Some(folder) = out.parent() {
-        std::fs::create_dir_all(folder).map_err(said(folder))?;
+        std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
     }
     let unfinished = out.with_extension("part");
-    std::fs::write(&unfinished, &page).map_err(said(&unfinished))?;
-    std::fs::rename(&unfinished, &out).map_err(said(&out))?;
+    std::fs::write(&unfinished, &page).map_err(Error::file(&unfinished))?;
+    std::fs::rename(&unfinished, &out).map_err(Error::file(&out))?;
     println!("{} ({} kB)", out.display(), page.len() / 1000);
     Ok(true)
 }
@@ -47,7 +55,7 @@ pub fn page(wasm: &[u8]) -> String {
 }
 
 /// Builds the kernel for the browser in this folder, an absolute path, and returns it.
-pub fn build(folder: &Path) -> Result<Vec<u8>, String> {
+pub fn build(folder: &Path) -> Result<Vec<u8>, Error> {
     require_target()?;
     let flags = without_paths(folder)?.join("\u{1f}");
     // The size of the file matters here, and even this build runs a hundred UAVs well within a
@@ -68,31 +76,24 @@ pub fn build(folder: &Path) -> Result<Vec<u8>, String> {
         .args(["--config", "profile.release.lto=\"fat\""])
         .args(["--config", "profile.release.codegen-units=1"])
         .status()
-        .map_err(|error| format!("cargo does not start: {error}"))?;
+        .map_err(Error::start("cargo"))?;
     if built.success() {
         let file = folder.join(TARGET).join("release/jcas_web.wasm");
-        std::fs::read(&file).map_err(said(&file))
+        std::fs::read(&file).map_err(Error::file(&file))
     } else {
-        Err(format!("the kernel does not build for {TARGET}"))
+        Err(Error::KernelBuild(TARGET))
     }
 }
 
 /// Refuses to build where the target's standard library is absent, with the command that adds it.
-fn require_target() -> Result<(), String> {
+fn require_target() -> Result<(), Error> {
     let found = Command::new("rustc")
         .args(["--print", "target-libdir", "--target", TARGET])
         .output()
-        .map_err(|error| format!("rustc does not start: {error}"))?;
+        .map_err(Error::start("rustc"))?;
     let folder = String::from_utf8_lossy(&found.stdout);
     if Path::new(folder.trim()).is_dir() {
         return Ok(());
     }
-    Err(format!(
-        "the library of {TARGET} is absent: `rustup target add {TARGET}` installs it"
-    ))
-}
-
-fn said(path: &Path) -> impl FnOnce(std::io::Error) -> String {
-    let path = path.display().to_string();
-    move |error| format!("{path}: {error}")
+    Err(Error::NoTargetLibrary(TARGET))
 }

@@ -4,11 +4,13 @@
 //! `cargo xtask prove` writes results with it; `verification/tests/ledger.rs` compares them with
 //! the sources.
 
+mod error;
 mod page;
 mod proofs;
 mod results;
 mod sources;
 
+pub use error::LedgerError;
 pub use page::{page, replace_summary, summary};
 pub use proofs::{Ledger, Mutant, Proof, Solver};
 pub use results::{Outcome, ProofVerdict, Results, Run};
@@ -23,17 +25,17 @@ pub fn workspace_root() -> PathBuf {
 }
 
 /// Reads a text file; the error names its path.
-pub fn read(path: &Path) -> Result<String, String> {
-    std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
+pub fn read(path: &Path) -> Result<String, LedgerError> {
+    std::fs::read_to_string(path).map_err(LedgerError::file(path))
 }
 
 /// Writes a file to a temporary name and renames it, so that it is whole or not there.
-pub fn write(path: &Path, text: &str) -> Result<(), String> {
-    let explain = |error: std::io::Error| format!("{}: {error}", path.display());
+pub fn write(path: &Path, text: &str) -> Result<(), LedgerError> {
+    let explain = LedgerError::file(path);
     if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(explain)?;
+        std::fs::create_dir_all(folder).map_err(&explain)?;
     }
     let partial = path.with_extension("partial");
-    std::fs::write(&partial, text).map_err(explain)?;
+    std::fs::write(&partial, text).map_err(&explain)?;
     std::fs::rename(&partial, path).map_err(explain)
 }

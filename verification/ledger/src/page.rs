@@ -228,7 +228,7 @@ mod tests {
         assert_eq!(results.outcome[0].verdict, ProofVerdict::NotSolved);
         assert_eq!(results.run.len(), 1, "a run without an outcome stays");
         let again: Results = toml::from_str(&results.to_text().unwrap()).unwrap();
-        assert_eq!(again.to_text(), results.to_text());
+        assert_eq!(again.to_text().unwrap(), results.to_text().unwrap());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! `verification/proofs.toml`: what is claimed, and how each claim is checked.
 
-use crate::{read, workspace_root};
+use crate::{LedgerError, read, workspace_root};
 use serde::Deserialize;
 use std::fmt;
 
@@ -94,18 +94,16 @@ impl Proof {
 
 impl Ledger {
     /// Reads the ledger of this workspace.
-    pub fn read() -> Result<Self, String> {
+    pub fn read() -> Result<Self, LedgerError> {
         let path = workspace_root().join("verification/proofs.toml");
-        toml::from_str(&read(&path)?).map_err(|error| format!("{}: {error}", path.display()))
+        toml::from_str(&read(&path)?).map_err(LedgerError::toml(path))
     }
 
     /// The proofs that `names` select by id or harness name; all of them without names.
-    pub fn select(&self, names: &[String]) -> Result<Vec<Proof>, String> {
+    pub fn select(&self, names: &[String]) -> Result<Vec<Proof>, LedgerError> {
         for name in names {
             if !self.proof.iter().any(|proof| matches(proof, name)) {
-                return Err(format!(
-                    "no proof is called `{name}` in verification/proofs.toml"
-                ));
+                return Err(LedgerError::UnknownProof(name.clone()));
             }
         }
         let wanted =

@@ -1,6 +1,6 @@
 //! `verification/results.toml`: what the model checker said of each harness, and when.
 
-use crate::{Ledger, Proof, Sources, read, workspace_root, write};
+use crate::{Ledger, LedgerError, Proof, Sources, read, workspace_root, write};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -89,19 +89,19 @@ impl Results {
     }
 
     /// Reads the results of this workspace.
-    pub fn read() -> Result<Self, String> {
+    pub fn read() -> Result<Self, LedgerError> {
         let path = Self::path();
-        toml::from_str(&read(&path)?).map_err(|error| format!("{}: {error}", path.display()))
+        toml::from_str(&read(&path)?).map_err(LedgerError::toml(path))
     }
 
     /// Writes the results of this workspace.
-    pub fn write(&self) -> Result<(), String> {
+    pub fn write(&self) -> Result<(), LedgerError> {
         write(&Self::path(), &self.to_text()?)
     }
 
     /// The text of `results.toml`.
-    pub fn to_text(&self) -> Result<String, String> {
-        let rows = toml::to_string(self).map_err(|error| error.to_string())?;
+    pub fn to_text(&self) -> Result<String, LedgerError> {
+        let rows = toml::to_string(self)?;
         Ok(format!(
             "# What Kani said of each harness, written by `cargo xtask prove`; RESULTS.md is the \
              page.\n\n{rows}"

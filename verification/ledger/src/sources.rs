@@ -1,6 +1,6 @@
 //! Fingerprints of the sources that a checked program was made of.
 
-use crate::{Ledger, read};
+use crate::{Ledger, LedgerError, read};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ pub struct Sources(BTreeMap<String, String>);
 
 impl Sources {
     /// Reads the files of a ledger's sources below `root`.
-    pub fn read(root: &Path, ledger: &Ledger) -> Result<Self, String> {
+    pub fn read(root: &Path, ledger: &Ledger) -> Result<Self, LedgerError> {
         let mut paths = Vec::new();
         for source in &ledger.sources {
             collect(&root.join(source), &mut paths)?;
@@ -80,14 +80,14 @@ fn imports(text: &str) -> BTreeSet<&str> {
 }
 
 /// Adds the Rust files at or below a path.
-fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), String> {
-    let explain = |error: std::io::Error| format!("{}: {error}", path.display());
-    if std::fs::metadata(path).map_err(explain)?.is_file() {
+fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), LedgerError> {
+    let explain = LedgerError::file(path);
+    if std::fs::metadata(path).map_err(&explain)?.is_file() {
         files.push(path.to_owned());
         return Ok(());
     }
-    for entry in std::fs::read_dir(path).map_err(explain)? {
-        let inner = entry.map_err(explain)?.path();
+    for entry in std::fs::read_dir(path).map_err(&explain)? {
+        let inner = entry.map_err(&explain)?.path();
         if inner.is_dir() || inner.extension().is_some_and(|suffix| suffix == "rs") {
             collect(&inner, files)?;
         }
@@ -169,6 +169,6 @@ mod tests {
             proof: Vec::new(),
         };
         let error = Sources::read(Path::new("/"), &missing).err().unwrap();
-        assert!(error.contains("no/such/folder"), "{error}");
+        assert!(error.to_string().contains("no/such/folder"), "{error}");
     }
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::targets::{System, Target};
+use crate::error::Error;
 use crate::paths::{absolute, without_paths};
 
 /// The name under which a program looks for the shared library. Below 1.0 a new minor version
@@ -16,7 +17,7 @@ pub const SONAME: &str = concat!(
 );
 
 /// Builds the libraries and the command, and returns the folder that holds them.
-pub fn build(target: &Target, epoch: u32) -> Result<PathBuf, String> {
+pub fn build(target: &Target, epoch: u32) -> Result<PathBuf, Error> {
     let folder = folder()?;
     let flags = flags(target, &folder)?.join("\u{1f}");
     let cargo = |program: &str, subcommand: &str| {
@@ -55,7 +56,7 @@ fn linker_variable(target: &Target) -> String {
 }
 
 /// Options of the compiler that keep the paths of this machine and the time out of the binaries.
-fn flags(target: &Target, folder: &Path) -> Result<Vec<String>, String> {
+fn flags(target: &Target, folder: &Path) -> Result<Vec<String>, Error> {
     let mut flags = without_paths(folder)?;
     if target.system == System::Windows {
         flags.push("-Clink-arg=-Wl,--no-insert-timestamp".to_owned());
@@ -64,22 +65,19 @@ fn flags(target: &Target, folder: &Path) -> Result<Vec<String>, String> {
 }
 
 /// Runs a command to its end, which must be a success.
-pub fn execute(command: &mut Command) -> Result<(), String> {
+pub fn execute(command: &mut Command) -> Result<(), Error> {
     let program = command.get_program().display().to_string();
-    let status = command.status().map_err(|error| {
-        format!(
-            "{program} does not start: {error}; `bash .ci/run install dist` installs what a \
-             distribution needs"
-        )
-    })?;
+    let status = command
+        .status()
+        .map_err(|source| Error::StartDist { program, source })?;
     if status.success() {
         return Ok(());
     }
-    Err(format!("{command:?} failed: {status}"))
+    Err(Error::failed(command, status))
 }
 
 /// The folder that Cargo builds in, an absolute path.
-pub fn folder() -> Result<PathBuf, String> {
+pub fn folder() -> Result<PathBuf, Error> {
     let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
     Ok(absolute(Path::new(&target))?.join("served"))
 }

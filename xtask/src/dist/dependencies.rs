@@ -7,6 +7,7 @@ use std::process::Command;
 use serde::Deserialize;
 
 use super::targets::Target;
+use crate::error::Error;
 
 /// The packages that are built for users.
 const SERVED: [&str; 3] = ["jcas-ffi", "jcas-fmi", "jcas-cli"];
@@ -57,17 +58,17 @@ struct DependencyKind {
 pub type Graph = BTreeMap<CargoPackage, BTreeSet<String>>;
 
 /// Reads the graph of all targets. Features are those of the whole workspace.
-pub fn graph(targets: &[&Target]) -> Result<Graph, String> {
+pub fn graph(targets: &[&Target]) -> Result<Graph, Error> {
     let mut graph = Graph::new();
     for target in targets {
         let output = Command::new("cargo")
             .args(["metadata", "--locked", "--format-version", "1"])
             .args(["--filter-platform", target.triple])
             .output()
-            .map_err(|error| format!("cargo does not start: {error}"))?;
-        let metadata: CargoMetadata = serde_json::from_slice(&output.stdout).map_err(|error| {
-            let said = String::from_utf8_lossy(&output.stderr);
-            format!("cargo metadata: {error}; {said}")
+            .map_err(Error::start("cargo"))?;
+        let metadata: CargoMetadata = serde_json::from_slice(&output.stdout).map_err(|source| {
+            let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+            Error::Metadata { source, printed }
         })?;
         for (package, depends_on) in reachable(&metadata) {
             graph.entry(package).or_default().extend(depends_on);
@@ -106,7 +107,7 @@ fn reachable(metadata: &CargoMetadata) -> Graph {
 
 /// The licence texts of the packages from elsewhere, one after the other, and of the font that
 /// figures embed.
-pub fn notices(graph: &Graph) -> Result<String, String> {
+pub fn notices(graph: &Graph) -> Result<String, Error> {
     let mut text = "The binaries contain the packages below, each under its own license, and the\n\
                     standard library of Rust (https://www.rust-lang.org, MIT OR Apache-2.0).\n"
         .to_owned();
@@ -125,19 +126,18 @@ pub fn notices(graph: &Graph) -> Result<String, String> {
             continue;
         };
         for file in license_files(&folder)? {
-            let said = |error| format!("{}: {error}", file.display());
-            let license = std::fs::read_to_string(&file).map_err(said)?;
+            let license = std::fs::read_to_string(&file).map_err(Error::file(&file))?;
             text += &format!("\n{}\n", license.trim_end());
         }
     }
     Ok(text)
 }
 
-fn license_files(folder: &Path) -> Result<BTreeSet<PathBuf>, String> {
-    let said = |error| format!("{}: {error}", folder.display());
+fn license_files(folder: &Path) -> Result<BTreeSet<PathBuf>, Error> {
+    let explain = Error::file(folder);
     let mut files = BTreeSet::new();
-    for entry in std::fs::read_dir(folder).map_err(said)? {
-        let path = entry.map_err(said)?.path();
+    for entry in std::fs::read_dir(folder).map_err(&explain)? {
+        let path = entry.map_err(&explain)?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.to_uppercase();
         let starts = ["LICENSE", "LICENCE", "COPYING", "NOTICE"];

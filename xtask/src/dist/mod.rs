@@ -18,6 +18,7 @@ use std::process::Command;
 use archive::{Content, Tree};
 use targets::{System, TARGETS, Target};
 
+use crate::error::Error;
 use crate::{fmu, web};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -31,7 +32,7 @@ struct Options {
 
 /// Writes all that is served, for all platforms or for those after `--target`, into `dist`, or the
 /// folder after `--out`.
-pub fn run(arguments: &[String]) -> Result<bool, String> {
+pub fn run(arguments: &[String]) -> Result<bool, Error> {
     let options = parse(arguments)?;
     let epoch = epoch()?;
     let mut out = Served::create(options.out)?;
@@ -50,7 +51,7 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
         units.push(package::unit_binary(target, &built)?);
     }
     out.made(wheels::sdist(&out.path, epoch)?);
-    let unit = fmu::pack(&units).map_err(|error| format!("the FMU: {error}"))?;
+    let unit = fmu::pack(&units).map_err(Error::Unit)?;
     out.add(format!("jcas-{VERSION}.fmu"), &unit)?;
     if options.web {
         let wasm = web::build(&build::folder()?)?;
@@ -59,8 +60,7 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
             web::page(&wasm).as_bytes(),
         )?;
         let notices = dependencies::notices(&graph)?;
-        let (name, bytes) =
-            node::package(wasm, &notices, epoch).map_err(|error| format!("Node: {error}"))?;
+        let (name, bytes) = node::package(wasm, &notices, epoch).map_err(Error::Node)?;
         out.add(name, &bytes)?;
     }
     let bill = sbom::cyclonedx(&graph, VERSION);
@@ -70,22 +70,22 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
 }
 
 /// The platform's archive, with its name.
-fn packed(target: &Target, tree: &Tree, epoch: u32) -> Result<(String, Vec<u8>), String> {
+fn packed(target: &Target, tree: &Tree, epoch: u32) -> Result<(String, Vec<u8>), Error> {
     let root = format!("jcas-{VERSION}-{}", target.name);
     let (name, bytes) = match target.system {
         System::Linux => (
             format!("{root}.tar.gz"),
-            archive::tar_gz(&root, tree, epoch).map_err(|error| error.to_string()),
+            archive::tar_gz(&root, tree, epoch).map_err(|error| Error::Archive(error.into())),
         ),
         System::Windows => (
             format!("{root}.zip"),
-            archive::zip(&root, tree).map_err(|error| error.to_string()),
+            archive::zip(&root, tree).map_err(Error::Archive),
         ),
     };
     Ok((name, bytes?))
 }
 
-fn parse(arguments: &[String]) -> Result<Options, String> {
+fn parse(arguments: &[String]) -> Result<Options, Error> {
     let mut options = Options {
         targets: Vec::new(),
         web: false,
@@ -94,16 +94,19 @@ fn parse(arguments: &[String]) -> Result<Options, String> {
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {
         let mut value = || {
-            rest.next()
-                .ok_or(format!("{argument} needs a value after it"))
+            rest.next().ok_or_else(|| Error::NoValue {
+                option: argument.clone(),
+                value: "a value",
+            })
         };
         match argument.as_str() {
             "--target" => options.targets.push(Target::find(value()?)?),
             "--out" => options.out = PathBuf::from(value()?),
             other => {
-                return Err(format!(
-                    "{other}: there are --target TRIPLE and --out FOLDER"
-                ));
+                return Err(Error::UnknownOption {
+                    option: other.to_owned(),
+                    allowed: "--target TRIPLE and --out FOLDER",
+                });
             }
         }
     }
@@ -115,20 +118,21 @@ fn parse(arguments: &[String]) -> Result<Options, String> {
 }
 
 /// The time of the last commit, or `SOURCE_DATE_EPOCH`, in seconds since 1970.
-fn epoch() -> Result<u32, String> {
+fn epoch() -> Result<u32, Error> {
     let text = match std::env::var("SOURCE_DATE_EPOCH") {
         Ok(text) => text,
         Err(_) => {
             let output = Command::new("git")
                 .args(["log", "-1", "--format=%ct"])
                 .output()
-                .map_err(|error| format!("git does not start: {error}"))?;
+                .map_err(Error::start("git"))?;
             String::from_utf8_lossy(&output.stdout).into_owned()
         }
     };
-    text.trim()
-        .parse()
-        .map_err(|error| format!("the time of the commit, {text:?}: {error}"))
+    text.trim().parse().map_err(|source| Error::CommitTime {
+        text: text.clone(),
+        source,
+    })
 }
 
 /// The folder that is written, and the names of the files that this run has written there.
@@ -138,17 +142,17 @@ struct Served {
 }
 
 impl Served {
-    fn create(path: PathBuf) -> Result<Self, String> {
-        let said = |error| format!("{}: {error}", path.display());
-        std::fs::create_dir_all(&path).map_err(said)?;
-        let path = std::path::absolute(&path).map_err(said)?;
+    fn create(path: PathBuf) -> Result<Self, Error> {
+        let explain = Error::file(&path);
+        std::fs::create_dir_all(&path).map_err(&explain)?;
+        let path = std::path::absolute(&path).map_err(&explain)?;
         let names = Vec::new();
         Ok(Self { path, names })
     }
 
-    fn add(&mut self, name: String, bytes: &[u8]) -> Result<(), String> {
+    fn add(&mut self, name: String, bytes: &[u8]) -> Result<(), Error> {
         let path = self.path.join(&name);
-        std::fs::write(&path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
+        std::fs::write(&path, bytes).map_err(Error::file(&path))?;
         println!("{} ({} kB)", path.display(), bytes.len() / 1000);
         self.names.push(name);
         Ok(())
@@ -160,15 +164,16 @@ impl Served {
     }
 
     /// Writes `SHA256SUMS`, in the form that `sha256sum --check` reads.
-    fn checksums(&mut self) -> Result<(), String> {
+    fn checksums(&mut self) -> Result<(), Error> {
         self.names.sort();
         let sums = Command::new("sha256sum")
             .args(&self.names)
             .current_dir(&self.path)
             .output()
-            .map_err(|error| format!("sha256sum does not start: {error}"))?;
+            .map_err(Error::start("sha256sum"))?;
         if !sums.status.success() {
-            return Err(String::from_utf8_lossy(&sums.stderr).into_owned());
+            let printed = String::from_utf8_lossy(&sums.stderr).into_owned();
+            return Err(Error::Printed(printed));
         }
         self.add("SHA256SUMS".to_owned(), &sums.stdout)
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::archive::{Content, Tree};
 use super::build::SONAME;
 use super::targets::{System, Target};
+use crate::error::Error;
 use crate::fmu::Binary;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -40,7 +41,7 @@ const TEXTS: [(&str, &str); 7] = [
 const PKG_CONFIG: &str = include_str!("../../../cmake/jcas.pc.in");
 
 /// What the platform's archive holds, from the folder that its build wrote.
-pub fn tree(target: &Target, built: &Path) -> Result<Tree, String> {
+pub fn tree(target: &Target, built: &Path) -> Result<Tree, Error> {
     let mut tree =
         Tree::from_iter(TEXTS.map(|(path, text)| (path.to_owned(), Content::file(text))));
     let pkg_config = Content::file(pkg_config(target.system));
@@ -61,7 +62,7 @@ pub fn tree(target: &Target, built: &Path) -> Result<Tree, String> {
 }
 
 /// The platform's library in the FMU.
-pub fn unit_binary(target: &Target, built: &Path) -> Result<Binary, String> {
+pub fn unit_binary(target: &Target, built: &Path) -> Result<Binary, Error> {
     let (file, extension) = match target.system {
         System::Linux => ("libjcas_fmi.so", "so"),
         System::Windows => ("jcas_fmi.dll", "dll"),
@@ -75,8 +76,8 @@ pub fn unit_binary(target: &Target, built: &Path) -> Result<Binary, String> {
     })
 }
 
-fn read(file: &Path) -> Result<Vec<u8>, String> {
-    std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))
+fn read(file: &Path) -> Result<Vec<u8>, Error> {
+    std::fs::read(file).map_err(Error::file(file))
 }
 
 /// The path in the archive, the name that Cargo gives, and whether the file is executable.

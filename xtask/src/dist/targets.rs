@@ -1,5 +1,7 @@
 //! The platforms that are served with binaries.
 
+use crate::error::Error;
+
 /// The oldest C library that the Linux binaries run on, that of manylinux2014.
 const GLIBC: &str = "2.17";
 
@@ -44,11 +46,12 @@ pub const TARGETS: [Target; 3] = [
 
 impl Target {
     /// The target of this triple, or an error with all triples.
-    pub fn find(triple: &str) -> Result<&'static Target, String> {
+    pub fn find(triple: &str) -> Result<&'static Target, Error> {
         let found = TARGETS.iter().find(|target| target.triple == triple);
         found.ok_or_else(|| {
-            let triples = TARGETS.map(|target| target.triple).join(", ");
-            format!("--target {triple}: there are {triples}")
+            let allowed = TARGETS.map(|target| target.triple).join(", ");
+            let triple = triple.to_owned();
+            Error::UnknownTarget { triple, allowed }
         })
     }
 
@@ -67,7 +70,8 @@ mod tests {
 
     #[test]
     fn an_unknown_target_is_refused_with_the_known_ones() {
-        let said = Target::find("riscv64gc-unknown-linux-gnu").unwrap_err();
+        let refused = Target::find("riscv64gc-unknown-linux-gnu").unwrap_err();
+        let said = refused.to_string();
         assert!(said.contains("riscv64gc") && said.contains("aarch64-unknown-linux-gnu"));
         assert_eq!(Target::find("x86_64-pc-windows-gnu").unwrap(), &TARGETS[2]);
     }

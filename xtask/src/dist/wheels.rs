@@ -5,11 +5,12 @@ use std::process::Command;
 
 use super::build::execute;
 use super::targets::{System, Target};
+use crate::error::Error;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Writes the wheel of a platform into the folder, an absolute path, and returns its name.
-pub fn wheel(target: &Target, built: &Path, into: &Path, epoch: u32) -> Result<String, String> {
+pub fn wheel(target: &Target, built: &Path, into: &Path, epoch: u32) -> Result<String, Error> {
     let library = built.join(match target.system {
         System::Linux => "libjcas.so",
         System::Windows => "jcas.dll",
@@ -24,7 +25,7 @@ pub fn wheel(target: &Target, built: &Path, into: &Path, epoch: u32) -> Result<S
 
 /// Writes the source distribution, which takes the library's crates along, into the folder, and
 /// returns its name.
-pub fn sdist(into: &Path, epoch: u32) -> Result<String, String> {
+pub fn sdist(into: &Path, epoch: u32) -> Result<String, Error> {
     execute(&mut hatchling("sdist", into, epoch))?;
     Ok(format!("jcas-{VERSION}.tar.gz"))
 }

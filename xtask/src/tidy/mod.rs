@@ -4,6 +4,7 @@
 mod dead;
 mod prose;
 
+use crate::error::Error;
 use jcas_ledger::workspace_root;
 use std::path::Path;
 use std::process::Command;
@@ -17,9 +18,9 @@ pub struct File {
 }
 
 /// Checks the workspace and prints each finding with its place. True if there is none.
-pub fn run(arguments: &[String]) -> Result<bool, String> {
+pub fn run(arguments: &[String]) -> Result<bool, Error> {
     if let [argument, ..] = arguments {
-        return Err(format!("tidy takes no argument, and {argument:?} is given"));
+        return Err(Error::TidyArgument(argument.clone()));
     }
     let root = workspace_root();
     // Git may list a file that is already deleted.
@@ -39,17 +40,16 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
 }
 
 /// Every file that git does not ignore, narrowed by a pathspec.
-fn list(root: &Path, pathspec: &str) -> Result<Vec<String>, String> {
+fn list(root: &Path, pathspec: &str) -> Result<Vec<String>, Error> {
     let arguments = "ls-files -z --cached --others --exclude-standard -- .";
     let mut git = Command::new("git");
     git.args(arguments.split(' '))
         .arg(pathspec)
         .current_dir(root);
-    let listed = git
-        .output()
-        .map_err(|error| format!("cannot start git: {error}"))?;
+    let listed = git.output().map_err(Error::start("git"))?;
     if !listed.status.success() {
-        return Err(String::from_utf8_lossy(&listed.stderr).into_owned());
+        let printed = String::from_utf8_lossy(&listed.stderr).into_owned();
+        return Err(Error::Printed(printed));
     }
     let paths = String::from_utf8_lossy(&listed.stdout);
     Ok(paths.split_terminator('\0').map(str::to_owned).collect())
