@@ -4,7 +4,7 @@ use core::fmt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use jcas_episode::mission::FlightError;
+use jcas_episode::campaign::FlightError;
 use jcas_episode::trace::TraceError;
 use jcas_policy::PolicyError;
 

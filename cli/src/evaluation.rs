@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use jcas_core::{Config, Metrics, Model};
-use jcas_episode::mission::Campaign;
+use jcas_episode::campaign::Campaign;
 use jcas_episode::shard::Shard;
 use jcas_episode::statistics::Summary;
 use serde::de::IgnoredAny;
@@ -62,9 +62,9 @@ impl Evaluation {
         }
     }
 
-    /// The report on all missions.
-    fn report(&self, missions: &[Metrics]) -> Report<'_> {
-        let summary = Summary::of(missions, self.config.horizon_steps);
+    /// The report on all episodes.
+    fn report(&self, episodes: &[Metrics]) -> Report<'_> {
+        let summary = Summary::of(episodes, self.config.horizon_steps);
         let who = (self.policy.as_str(), self.pilot.as_str());
         Report::new(who, &self.config, self.seed, summary)
     }
@@ -83,7 +83,7 @@ impl Evaluation {
     }
 }
 
-/// A part on file: what is evaluated, by which build, and the metrics of its missions.
+/// A part on file: what is evaluated, by which build, and the metrics of its episodes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EvaluationPart {
@@ -91,11 +91,12 @@ pub struct EvaluationPart {
     build: Build,
     evaluation: Evaluation,
     shard: Shard,
-    missions: Vec<Metrics>,
+    #[serde(rename = "missions")]
+    episodes: Vec<Metrics>,
 }
 
 impl EvaluationPart {
-    fn missions_in_all(&self) -> usize {
+    fn episodes_in_all(&self) -> usize {
         self.evaluation.episodes as usize
     }
 }
@@ -113,12 +114,12 @@ impl Manifest for EvaluationPart {
     }
 
     fn check(&self) -> Result<(), ManifestError> {
-        let (shard, count, all) = (self.shard, self.missions.len(), self.missions_in_all());
+        let (shard, count, all) = (self.shard, self.episodes.len(), self.episodes_in_all());
         let needed = shard.cell_count(all);
         if count == needed {
             return Ok(());
         }
-        Err(ManifestError::Missions {
+        Err(ManifestError::Episodes {
             count,
             needed,
             shard,
@@ -136,7 +137,7 @@ impl Manifest for EvaluationPart {
     }
 }
 
-/// Flies the missions of a part and writes them into a folder, unless they are on file.
+/// Flies the episodes of a part and writes them into a folder, unless they are on file.
 ///
 /// # Errors
 /// The file is of another evaluation or build and must be kept, the kernel refuses a step, or the
@@ -155,9 +156,9 @@ pub fn fly_shard(
         build: Build::current()?,
         evaluation,
         shard,
-        missions: Vec::new(),
+        episodes: Vec::new(),
     };
-    let all = part.missions_in_all();
+    let all = part.episodes_in_all();
     let own = shard.cell_count(all);
     if path.exists() && !overwrite {
         let origin = "this command; give another --out, or --overwrite to replace it";
@@ -165,12 +166,12 @@ pub fn fly_shard(
     } else {
         let model = Model::new(part.evaluation.config)?;
         let campaign = part.evaluation.campaign();
-        part.missions = threads.run_missions(own as u64, || {
-            fly_part(&model, campaign, shard, factory, "missions")
+        part.episodes = threads.run_episodes(own as u64, || {
+            fly_part(&model, campaign, shard, factory, "episodes")
         })??;
         part.write(&path)?;
     }
-    files::print(&format!("{}: {own} of {all} missions\n", path.display()))
+    files::print(&format!("{}: {own} of {all} episodes\n", path.display()))
 }
 
 /// Whether a file says that it is a part of an evaluation. `read` checks the rest.
@@ -183,19 +184,19 @@ pub fn is_part(path: &Path) -> bool {
     serde_json::from_slice(&bytes).is_ok_and(|Named { evaluation }| evaluation.is_some())
 }
 
-/// The report of all parts, with the bytes of `jcas evaluate --json`, and the number of missions.
+/// The report of all parts, with the bytes of `jcas evaluate --json`, and the number of episodes.
 ///
 /// # Errors
 /// The report has no form as JSON.
 pub fn merged<P>(parts: Vec<(P, EvaluationPart)>) -> Result<(Vec<u8>, usize), CliError> {
     let evaluation = parts[0].1.evaluation.clone();
-    let all = parts[0].1.missions_in_all();
-    let mut missions = vec![Metrics::default(); all];
+    let all = parts[0].1.episodes_in_all();
+    let mut episodes = vec![Metrics::default(); all];
     for (_, part) in parts {
-        for (episode, metrics) in part.shard.cells(all).zip(part.missions) {
-            missions[episode] = metrics;
+        for (episode, metrics) in part.shard.cells(all).zip(part.episodes) {
+            episodes[episode] = metrics;
         }
     }
-    let text = files::json(&evaluation.report(&missions))?;
+    let text = files::json(&evaluation.report(&episodes))?;
     Ok((text.into_bytes(), all))
 }

@@ -68,7 +68,7 @@ pub fn geojson(file: &PlanFile, depot: Cell, place: GeoPosition) -> Value {
     })
 }
 
-/// The mission of one UAV as a QGroundControl plan. It has a take-off, a waypoint for each cell and
+/// The episode of one UAV as a QGroundControl plan. It has a take-off, a waypoint for each cell and
 /// the return. The UAV holds each waypoint for as long as it stays in the cell.
 #[must_use]
 pub fn mission_of(file: &PlanFile, uav: usize, depot: Cell, place: GeoPosition) -> Value {

@@ -9,8 +9,8 @@ const EXAMPLES: &str = "\
 Examples:
   jcas tour                              fly policies over the paper's grid; report in out/tour/
   jcas sweep                             fly many fleets; table, figures and replay in out/
-  jcas simulate --uavs 15 --hotspots 7   many missions of one fleet
-  jcas play                              fly missions in a browser and change them as they fly
+  jcas simulate --uavs 15 --hotspots 7   many episodes of one fleet
+  jcas play                              fly episodes in a browser and change them as they fly
   jcas replay -o page.html               watch an episode in a browser
   jcas config show                       every field with its unit and legal range";
 

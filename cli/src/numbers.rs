@@ -59,7 +59,7 @@ pub fn whole(text: &str) -> Result<u64, ValueError> {
     from(0, text)
 }
 
-/// Parses a whole number above 0, such as a number of missions.
+/// Parses a whole number above 0, such as a number of episodes.
 ///
 /// # Errors
 /// The text is none.

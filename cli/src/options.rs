@@ -62,7 +62,7 @@ impl ConfigOptions {
 
 /// Options for a configuration and the two sizes that change most often.
 #[derive(Args, Clone, Debug)]
-pub struct MissionOptions {
+pub struct ModelOptions {
     /// Sources of the configuration.
     #[command(flatten)]
     pub config: ConfigOptions,
@@ -74,7 +74,7 @@ pub struct MissionOptions {
     pub hotspots: Option<u32>,
 }
 
-impl MissionOptions {
+impl ModelOptions {
     /// Returns the checked configuration.
     pub fn load(&self) -> Result<Config, CliError> {
         self.over(self.config.source()?)
@@ -170,11 +170,11 @@ impl PolicyOptions {
 
     /// The name of the policy that flies, and the configuration. Without a name it is the default
     /// policy of the configuration.
-    pub fn choose(&self, mission: &MissionOptions) -> Result<(String, Config), CliError> {
+    pub fn choose(&self, model: &ModelOptions) -> Result<(String, Config), CliError> {
         if let Some(policy) = &self.policy {
-            return Ok((policy.clone(), mission.load_for(policy)?));
+            return Ok((policy.clone(), model.load_for(policy)?));
         }
-        let config = mission.load()?;
+        let config = model.load()?;
         Ok((BaselineKind::default_for(&config).name().to_owned(), config))
     }
 }
@@ -235,17 +235,17 @@ pub struct ThreadOptions {
 impl ThreadOptions {
     /// Runs a function in a pool of that number of threads.
     pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, CliError> {
-        self.run_missions(u64::MAX, work)
+        self.run_episodes(u64::MAX, work)
     }
 
-    /// Runs a function that flies missions, in a pool of at most one thread for each.
-    pub fn run_missions<T: Send>(
+    /// Runs a function that flies episodes, in a pool of at most one thread for each.
+    pub fn run_episodes<T: Send>(
         &self,
-        missions: u64,
+        episodes: u64,
         work: impl FnOnce() -> T + Send,
     ) -> Result<T, CliError> {
         let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(u64::from(self.threads).min(missions) as usize)
+            .num_threads(u64::from(self.threads).min(episodes) as usize)
             .build()
             .map_err(|error| CliError::input(format!("threads = {}: {error}", self.threads)))?;
         Ok(pool.install(work))
@@ -258,10 +258,10 @@ mod tests {
 
     #[test]
     fn no_thread_is_without_a_mission() {
-        let threads = |threads: u16, missions: u64| {
+        let threads = |threads: u16, episodes: u64| {
             let options = ThreadOptions { threads };
             options
-                .run_missions(missions, rayon::current_num_threads)
+                .run_episodes(episodes, rayon::current_num_threads)
                 .unwrap()
         };
         assert_eq!(threads(64, 2), 2);

@@ -152,7 +152,7 @@ impl Server {
         let _busy = match Busy::begin(&self.answers, self.limits.answers) {
             Some(busy) => busy,
             None => {
-                let reason = b"too many missions are computed\n";
+                let reason = b"too many episodes are computed\n";
                 return Ok(response("503 Service Unavailable", "text/plain", reason));
             }
         };
@@ -201,7 +201,7 @@ fn is_closed(stream: &TcpStream) -> bool {
 
 fn overdue(limit: Duration) -> String {
     let reason = format!(
-        "this mission takes more than {} s to compute: choose a smaller fleet, grid or horizon, \
+        "this episode takes more than {} s to compute: choose a smaller fleet, grid or horizon, \
          another policy, or a longer --time-limit of jcas play",
         limit.as_secs_f64()
     );

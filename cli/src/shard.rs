@@ -74,15 +74,15 @@ pub enum ManifestError {
     },
     /// shard = {0}: must be i/n, 1 <= i <= n
     Shard(Shard),
-    /// it has {count} missions: must be {needed}, shard {shard} of {all}
-    Missions {
-        /// The missions of the manifest.
+    /// it has {count} episodes: must be {needed}, shard {shard} of {all}
+    Episodes {
+        /// The episodes of the manifest.
         count: usize,
-        /// The missions of the part.
+        /// The episodes of the part.
         needed: usize,
         /// The part.
         shard: Shard,
-        /// The missions of all parts.
+        /// The episodes of all parts.
         all: usize,
     },
     /// it has {count} keys: must be {needed}, shard {shard} of {all} cells

@@ -8,7 +8,7 @@ use std::path::Path;
 use serde_json::Value;
 use support::{jcas, succeed};
 
-/// A copy of the shipped policy that says it was trained on short missions of three UAVs.
+/// A copy of the shipped policy that says it was trained on short episodes of three UAVs.
 fn policy_of_short_missions(folder: &Path) {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../policies/mission");
     let target = folder.join("short");

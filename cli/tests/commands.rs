@@ -61,18 +61,18 @@ fn results_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn a_recorded_mission_is_reproduced_and_played() {
     let folder = tempfile::tempdir().unwrap();
-    let mission = ["--uavs", "6", "--policy", "random", "--seed", "9"];
+    let fleet = ["--uavs", "6", "--policy", "random", "--seed", "9"];
     succeed(
         folder.path(),
-        &[&["trace", "record", "-o", "a.jsonl"], mission.as_slice()].concat(),
+        &[&["trace", "record", "-o", "a.jsonl"], fleet.as_slice()].concat(),
     );
     let told = succeed(folder.path(), &["trace", "verify", "a.jsonl"]);
     assert_eq!(told, "a.jsonl: reproduced, 100 steps\n");
 
-    // The first mission of the same campaign is the same episode.
+    // The first episode of the campaign with that seed is the same one.
     let first = [
         &["simulate", "--episodes", "1", "--trace", "b.jsonl"],
-        mission.as_slice(),
+        fleet.as_slice(),
     ];
     succeed(folder.path(), &first.concat());
     assert_eq!(

@@ -33,7 +33,7 @@ fn refuse(folder: &Path, arguments: &[&str], words: &[&str]) {
     }
 }
 
-/// Nine shards of seven missions: two have none.
+/// Nine shards of seven episodes: two have none.
 #[test]
 fn merged_shards_have_the_bytes_of_the_single_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -45,7 +45,7 @@ fn merged_shards_have_the_bytes_of_the_single_run() {
         let mut merge = vec!["merge".to_owned(), format!("report-{count}.json")];
         for number in 1..=count {
             let told = shard(folder.path(), "parts", &format!("{number}/{count}"), &[]);
-            assert!(told.contains("of 7 missions"), "{told}");
+            assert!(told.contains("of 7 episodes"), "{told}");
             merge.insert(2, format!("parts/shard-{number}-of-{count}.json"));
         }
         let arguments: Vec<&str> = merge.iter().map(String::as_str).collect();
@@ -68,7 +68,7 @@ fn a_shard_on_file_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let told = shard(folder.path(), "out", "1/2", &[]);
     let path = folder.path().join("out/shard-1-of-2.json");
-    // No mission gives this value: it shows that the file is kept.
+    // No episode gives this value: it shows that the file is kept.
     let text = fs::read_to_string(&path).unwrap();
     let kept = text.replacen("\"moves\": ", "\"moves\": 9", 1);
     assert_ne!(text, kept);
@@ -126,14 +126,14 @@ fn shards_that_do_not_belong_together_are_refused() {
     fs::write(&path, text.replace(own, "0x0")).unwrap();
     let merge = ["merge", "r.json", first, second];
     refuse(folder.path(), &merge, &["other build", "0x0", second]);
-    // A part that lacks missions, and a part of a sweep.
+    // A part that lacks episodes, and a part of a sweep.
     let mut short = manifest.clone();
     short["missions"].as_array_mut().unwrap().pop();
     fs::write(&path, short.to_string()).unwrap();
     refuse(
         folder.path(),
         &merge,
-        &[second, "2 missions: must be 3, shard 2/2 of 7"],
+        &[second, "2 episodes: must be 3, shard 2/2 of 7"],
     );
     let sweep = ["sweep", "--uavs", "4", "--hotspots", "3", "--episodes", "2"];
     let part = ["--shard", "2/2", "--out", "a", "--overwrite"];

@@ -5,7 +5,7 @@ use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A mission within all limits of the page that takes hours to plan.
+/// An episode within all limits of the page that takes hours to plan.
 const ENDLESS: &str = r#"{"ask":"fly","config":{"preset":"isac","uav_count":2,
     "hotspot_count":1,"grid_width":64,"grid_height":64,"horizon_steps":1000,"quorum":3},
     "policy":"replan","pilot":"max","seed":1}"#;

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use jcas_core::{Config, Model, Sim};
+use jcas_episode::campaign::fly_episode;
 use jcas_episode::card;
-use jcas_episode::mission::fly_episode;
 
 #[test]
 fn every_shipped_policy_flies_what_its_card_says() {

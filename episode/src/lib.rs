@@ -14,9 +14,9 @@
 
 #![forbid(unsafe_code)]
 
+pub mod campaign;
 pub mod card;
 pub mod files;
-pub mod mission;
 pub mod replay;
 pub mod shard;
 pub mod statistics;

@@ -1,4 +1,4 @@
-//! Statistics of many missions: means with 95 % intervals.
+//! Statistics of many episodes: means with 95 % intervals.
 
 use jcas_core::Metrics;
 use jcas_core::rng::{self, Purpose};
@@ -8,7 +8,7 @@ use statrs::statistics::{Data, OrderStatistics};
 
 /// Number of resamples of a bootstrap interval.
 const RESAMPLES: u32 = 2_000;
-/// Seed of the resampling; it is fixed, so that the same missions always have the same intervals.
+/// Seed of the resampling; it is fixed, so that the same episodes always have the same intervals.
 const BOOTSTRAP_SEED: u64 = 0x6a63_6173_2d63_6931;
 /// The quantity that reports for people leave out where it is 0, as without false alarms.
 pub const FALSE_CONFIRMATIONS: &str = "false_confirmations_mean";
@@ -57,13 +57,13 @@ pub fn wilson(successes: u64, trials: u64) -> Estimate {
     }
 }
 
-/// Returns the means of several quantities of the same missions, each with its bootstrap percentile
+/// Returns the means of several quantities of the same episodes, each with its bootstrap percentile
 /// interval.
 ///
-/// All quantities share the resamples, which depend only on the number of missions.
+/// All quantities share the resamples, which depend only on the number of episodes.
 #[must_use]
-pub fn bootstrap_means<const K: usize>(missions: &[[f64; K]]) -> [Estimate; K] {
-    let count = missions.len();
+pub fn bootstrap_means<const K: usize>(episodes: &[[f64; K]]) -> [Estimate; K] {
+    let count = episodes.len();
     if count == 0 {
         return [Estimate::default(); K];
     }
@@ -82,7 +82,7 @@ pub fn bootstrap_means<const K: usize>(missions: &[[f64; K]]) -> [Estimate; K] {
                 );
             }
             let pick = (u64::from(words[draw % 4]) * count as u64) >> 32;
-            for (sum, value) in sums.iter_mut().zip(missions[pick as usize]) {
+            for (sum, value) in sums.iter_mut().zip(episodes[pick as usize]) {
                 *sum += value;
             }
         }
@@ -93,17 +93,17 @@ pub fn bootstrap_means<const K: usize>(missions: &[[f64; K]]) -> [Estimate; K] {
     std::array::from_fn(|k| {
         let mut resampled = Data::new(means[k].as_mut_slice());
         Estimate {
-            value: missions.iter().map(|mission| mission[k]).sum::<f64>() / count as f64,
+            value: episodes.iter().map(|episode| episode[k]).sum::<f64>() / count as f64,
             low: resampled.quantile(TAIL),
             high: resampled.quantile(1.0 - TAIL),
         }
     })
 }
 
-/// Returns the time of each mission in steps. A failed mission counts its horizon, so that a policy
-/// cannot look fast by failing the long missions.
+/// Returns the time of each episode in steps. A failed episode counts its horizon, so that a policy
+/// cannot look fast by failing the long episodes.
 #[must_use]
-pub fn mission_steps(missions: &[Metrics], horizon_steps: u32) -> Vec<u32> {
+pub fn mission_steps(episodes: &[Metrics], horizon_steps: u32) -> Vec<u32> {
     let steps = |metrics: &Metrics| {
         if metrics.terminated {
             metrics.steps
@@ -111,7 +111,7 @@ pub fn mission_steps(missions: &[Metrics], horizon_steps: u32) -> Vec<u32> {
             horizon_steps
         }
     };
-    missions.iter().map(steps).collect()
+    episodes.iter().map(steps).collect()
 }
 
 /// Returns the least value that at least this share of the values does not exceed; none of none.
@@ -123,8 +123,8 @@ pub fn quantile(values: &[u32], share: f64) -> Option<u32> {
     sorted.get(rank.saturating_sub(1)).copied()
 }
 
-/// Returns the mean of a - b over pairs of missions with common seeds, with the bootstrap interval
-/// of the pairs. What both policies owe to a mission cancels.
+/// Returns the mean of a - b over pairs of episodes with common seeds, with the bootstrap interval
+/// of the pairs. What both policies owe to an episode cancels.
 #[must_use]
 pub fn paired_difference(a: &[u32], b: &[u32]) -> Estimate {
     let pairs = a.iter().zip(b);
@@ -134,21 +134,21 @@ pub fn paired_difference(a: &[u32], b: &[u32]) -> Estimate {
     bootstrap_means(&differences)[0]
 }
 
-/// Statistics of a set of missions.
+/// Statistics of a set of episodes.
 ///
 /// Serialises flat: each quantity under its name in [`Summary::quantities`], its interval's ends
 /// under that name with `_low` and `_high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
-    /// Number of missions.
+    /// Number of episodes.
     pub episodes: u64,
-    /// Fraction of missions in which every UAV knows every hotspot within the horizon.
+    /// Fraction of episodes in which every UAV knows every hotspot within the horizon.
     pub success_rate: Estimate,
     /// Mission time in steps; see [`mission_steps`].
     pub mission_steps: Estimate,
-    /// Energy that the whole fleet spent in a mission.
+    /// Energy that the whole fleet spent in an episode.
     pub energy_kwh: Estimate,
-    /// CO2 of the energy that the fleet drew from the grid in a mission.
+    /// CO2 of the energy that the fleet drew from the grid in an episode.
     pub co2_kg: Estimate,
     /// Normalised throughput, averaged over UAVs and steps.
     pub throughput: Estimate,
@@ -158,7 +158,7 @@ pub struct Summary {
     pub false_confirmations: Estimate,
     /// Pilot density, averaged over UAVs and steps.
     pub pilot_density: Estimate,
-    /// Undiscounted team reward of a mission.
+    /// Undiscounted team reward of an episode.
     pub episode_return: Estimate,
 }
 
@@ -176,13 +176,13 @@ pub struct Quantity {
 }
 
 impl Summary {
-    /// Returns the statistics of missions with the given horizon.
+    /// Returns the statistics of episodes with the given horizon.
     #[must_use]
-    pub fn of(missions: &[Metrics], horizon_steps: u32) -> Self {
-        let successes = missions.iter().filter(|metrics| metrics.terminated).count();
-        let rows: Vec<[f64; 8]> = missions
+    pub fn of(episodes: &[Metrics], horizon_steps: u32) -> Self {
+        let successes = episodes.iter().filter(|metrics| metrics.terminated).count();
+        let rows: Vec<[f64; 8]> = episodes
             .iter()
-            .zip(mission_steps(missions, horizon_steps))
+            .zip(mission_steps(episodes, horizon_steps))
             .map(|(metrics, steps)| {
                 [
                     f64::from(steps),
@@ -207,8 +207,8 @@ impl Summary {
             episode_return,
         ] = bootstrap_means(&rows);
         Self {
-            episodes: missions.len() as u64,
-            success_rate: wilson(successes as u64, missions.len() as u64),
+            episodes: episodes.len() as u64,
+            success_rate: wilson(successes as u64, episodes.len() as u64),
             mission_steps,
             energy_kwh,
             co2_kg,
@@ -285,16 +285,16 @@ mod tests {
         assert_eq!(quantile(&[], 0.5), None);
     }
 
-    /// Two policies that differ by one step in every mission differ by one step without noise, and
-    /// a failed mission counts its horizon.
+    /// Two policies that differ by one step in every episode differ by one step without noise, and
+    /// a failed episode counts its horizon.
     #[test]
     fn pairs_cancel_what_missions_have_in_common() {
-        let mission = |steps, terminated| Metrics {
+        let episode = |steps, terminated| Metrics {
             steps,
             terminated,
             ..Metrics::default()
         };
-        let slow = [mission(11, true), mission(41, true), mission(3, false)];
+        let slow = [episode(11, true), episode(41, true), episode(3, false)];
         let slow = mission_steps(&slow, 100);
         assert_eq!(slow, [11, 41, 100]);
         let one = paired_difference(&slow, &[10, 40, 99]);
@@ -319,12 +319,12 @@ mod tests {
 
     #[test]
     fn bootstrap_intervals_are_near_those_of_the_central_limit() {
-        let missions: Vec<[f64; 1]> = (0..400).map(|k| [f64::from(k % 20)]).collect();
-        let [got] = bootstrap_means(&missions);
+        let episodes: Vec<[f64; 1]> = (0..400).map(|k| [f64::from(k % 20)]).collect();
+        let [got] = bootstrap_means(&episodes);
         let half = 1.96 * (399.0f64 / 12.0 / 400.0).sqrt();
         assert!((got.value - 9.5).abs() < 1e-12);
         assert!((got.low - (9.5 - half)).abs() < 0.1, "{got:?}");
         assert!((got.high - (9.5 + half)).abs() < 0.1, "{got:?}");
-        assert_eq!(bootstrap_means(&missions), [got]);
+        assert_eq!(bootstrap_means(&episodes), [got]);
     }
 }

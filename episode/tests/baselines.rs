@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use jcas_core::{Cell, Config, Model, Motion, MotionMap, Sim, TargetVisibility, action};
-use jcas_episode::mission::{self, Campaign};
+use jcas_episode::campaign::{self, Campaign};
 use jcas_episode::statistics::Summary;
 use jcas_policy::head::Mode;
 use jcas_policy::network::ActOptions;
@@ -22,12 +22,12 @@ fn fly(config: Config, kind: BaselineKind, pilot: PilotMode, episodes: u64) -> S
     let model = model(config);
     let campaign = Campaign { episodes, seed: 1 };
     let make = || -> Box<dyn Policy> { Box::new(kind.build_privileged(pilot)) };
-    let missions = mission::fly(&model, campaign, &make, &|| ControlFlow::Continue(())).unwrap();
-    Summary::of(&missions, config.horizon_steps)
+    let episodes = campaign::fly(&model, campaign, &make, &|| ControlFlow::Continue(())).unwrap();
+    Summary::of(&episodes, config.horizon_steps)
 }
 
 /// `greedy` at the highest pilot density confirms all hotspots as often as in a prototype of the
-/// model, over 300 missions. The prototype left out the range resolution's penalty.
+/// model, over 300 episodes. The prototype left out the range resolution's penalty.
 #[test]
 fn greedy_succeeds_as_often_as_the_prototype_did() {
     for (uav_count, hotspot_count, expected) in [
@@ -46,7 +46,7 @@ fn greedy_succeeds_as_often_as_the_prototype_did() {
             ..Config::default()
         };
         let got = fly(config, BaselineKind::Greedy, PilotMode::Max, 300).success_rate;
-        // Both fractions come from 300 missions: three standard errors of their difference.
+        // Both fractions come from 300 episodes: three standard errors of their difference.
         let error = 3.0 * (2.0 * expected * (1.0 - expected) / 300.0f64).sqrt() + 0.01;
         assert!(
             (got.value - expected).abs() <= error,

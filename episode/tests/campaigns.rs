@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use jcas_core::{Config, Error, Model, StateRef};
-use jcas_episode::mission::{self, Campaign, FlightError};
+use jcas_episode::campaign::{self, Campaign, FlightError};
 use jcas_episode::shard::Shard;
 use jcas_episode::statistics::Summary;
 use jcas_episode::trace;
@@ -30,7 +30,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| mission::fly(&model, campaign, &swarm, GO_ON))
+        pool.install(|| campaign::fly(&model, campaign, &swarm, GO_ON))
             .unwrap()
     };
     let one = with(1);
@@ -47,10 +47,10 @@ fn a_part_flies_its_own_missions_of_the_campaign() {
         episodes: 7,
         seed: 11,
     };
-    let whole = mission::fly(&model, campaign, &swarm, GO_ON).unwrap();
+    let whole = campaign::fly(&model, campaign, &swarm, GO_ON).unwrap();
     for part in ["1/3", "3/3", "8/9"] {
         let part: Shard = part.parse().unwrap();
-        let flown = mission::fly_part(&model, campaign, part, &swarm, GO_ON).unwrap();
+        let flown = campaign::fly_part(&model, campaign, part, &swarm, GO_ON).unwrap();
         let own: Vec<_> = part.cells(7).map(|episode| whole[episode]).collect();
         assert_eq!(flown, own, "{part}");
     }
@@ -64,13 +64,13 @@ fn progress_counts_every_episode_and_can_stop() {
         seed: 1,
     };
     let finished = AtomicU64::new(0);
-    mission::fly(&model, campaign, &swarm, &|| {
+    campaign::fly(&model, campaign, &swarm, &|| {
         finished.fetch_add(1, Ordering::SeqCst);
         ControlFlow::Continue(())
     })
     .unwrap();
     assert_eq!(finished.load(Ordering::SeqCst), 30);
-    let stopped = mission::fly(&model, campaign, &swarm, &|| ControlFlow::Break(()));
+    let stopped = campaign::fly(&model, campaign, &swarm, &|| ControlFlow::Break(()));
     assert_eq!(stopped, Err(FlightError::Stopped));
 }
 
@@ -118,9 +118,9 @@ fn a_refused_action_names_its_episode() {
         episodes: 0,
         seen: 0,
     };
-    let first = mission::fly_episode(&model, &mut sim, &mut policy, campaign.episode_seed(0));
+    let first = campaign::fly_episode(&model, &mut sim, &mut policy, campaign.episode_seed(0));
     assert_eq!(first.unwrap().steps, 100);
-    let second = mission::fly_episode(&model, &mut sim, &mut policy, campaign.episode_seed(1));
+    let second = campaign::fly_episode(&model, &mut sim, &mut policy, campaign.episode_seed(1));
     let error = Error::ActionNan {
         uav: 1,
         component: 1,
@@ -133,7 +133,7 @@ fn a_refused_action_names_its_episode() {
             seen: 0,
         })
     };
-    let failed = mission::fly(&model, campaign, &make, GO_ON).unwrap_err();
+    let failed = campaign::fly(&model, campaign, &make, GO_ON).unwrap_err();
     let told = failed.to_string();
     assert!(told.starts_with("episode "), "{told}");
     assert!(told.contains("actions[1][1] = NaN"), "{told}");
@@ -151,8 +151,8 @@ fn a_mission_without_success_counts_with_its_horizon() {
         seed: 1,
     };
     // Two UAVs never make a quorum of three.
-    let missions = mission::fly(&model, campaign, &swarm, GO_ON).unwrap();
-    let summary = Summary::of(&missions, config.horizon_steps);
+    let episodes = campaign::fly(&model, campaign, &swarm, GO_ON).unwrap();
+    let summary = Summary::of(&episodes, config.horizon_steps);
     assert_eq!(summary.success_rate.value, 0.0);
     assert_eq!(summary.mission_steps.value, 100.0);
     assert_eq!(summary.mission_steps.low, 100.0);
@@ -165,7 +165,7 @@ fn a_recorded_episode_is_the_one_that_a_campaign_flies() {
         episodes: 1,
         seed: 4,
     };
-    let missions = mission::fly(&model, campaign, &swarm, GO_ON).unwrap();
+    let episodes = campaign::fly(&model, campaign, &swarm, GO_ON).unwrap();
     let mut text = Vec::new();
     let end = trace::record(
         &model,
@@ -174,7 +174,7 @@ fn a_recorded_episode_is_the_one_that_a_campaign_flies() {
         &mut text,
     )
     .unwrap();
-    assert_eq!(end.metrics, missions[0]);
+    assert_eq!(end.metrics, episodes[0]);
     let read = trace::read(text.as_slice()).unwrap();
     assert_eq!(read.end, end);
     assert_eq!(read.header.policy, "greedy");

@@ -11,8 +11,8 @@ use jcas_core::config::FieldValue;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::episode::{Episode, Inputs};
 use crate::error::Error;
-use crate::mission::{Inputs, Mission};
 use crate::setup::Setup;
 use crate::values::{Values, field_values, output};
 use crate::variables::{Causality, Extent, Variable, VariableType, all, reference};
@@ -57,7 +57,7 @@ pub struct Instance {
     mode: Mode,
     setup: Setup,
     inputs: Inputs,
-    mission: Option<Mission>,
+    episode: Option<Episode>,
     time_s: f64,
 }
 
@@ -77,7 +77,7 @@ impl Instance {
             mode: Mode::Instantiated,
             setup,
             inputs,
-            mission: None,
+            episode: None,
             time_s: 0.0,
         })
     }
@@ -110,11 +110,11 @@ impl Instance {
     ///
     /// # Errors
     /// The text names the parameter, the value and what is allowed.
-    pub fn prepare(&mut self) -> Result<&Mission, Error> {
-        if self.mission.is_none() {
-            self.mission = Some(Mission::new(&self.setup)?);
+    pub fn prepare(&mut self) -> Result<&Episode, Error> {
+        if self.episode.is_none() {
+            self.episode = Some(Episode::new(&self.setup)?);
         }
-        self.mission.as_ref().ok_or(Error::NoEpisode)
+        self.episode.as_ref().ok_or(Error::NoEpisode)
     }
 
     /// Resets the instance to its state after instantiation.
@@ -137,8 +137,8 @@ impl Instance {
             let (call, mode) = ("fmi3DoStep".to_owned(), self.mode);
             return Err(Error::CallInMode { call, mode });
         }
-        let mission = self.mission.as_mut().ok_or(Error::NoEpisode)?;
-        let step_s = mission.model().config().step_duration_s;
+        let episode = self.episode.as_mut().ok_or(Error::NoEpisode)?;
+        let step_s = episode.model().config().step_duration_s;
         let steps = (length_s / step_s).round();
         if !(steps >= 1.0 && (steps * step_s - length_s).abs() <= STEP_TOLERANCE * step_s) {
             return Err(Error::Argument {
@@ -154,10 +154,10 @@ impl Instance {
                 allowed: format!("the instance is at {}", self.time_s),
             });
         }
-        mission.reward = 0.0;
+        episode.reward = 0.0;
         for _ in 0..steps as u64 {
-            if !mission.over()? {
-                mission.step(&self.inputs)?;
+            if !episode.over()? {
+                episode.step(&self.inputs)?;
             }
             self.time_s += step_s;
         }
@@ -240,7 +240,7 @@ impl Instance {
             return Err(Error::SetInMode { name, mode });
         }
         if causality != Causality::Input {
-            self.mission = None;
+            self.episode = None;
         }
         match (vr, values) {
             (UAV_COUNT | HOTSPOT_COUNT, Values::UInt64(values)) => self.resize(name, values[0])?,
@@ -307,21 +307,21 @@ impl Instance {
     /// Saves the whole instance as bytes.
     ///
     /// # Errors
-    /// The errors are those of [`Mission::save`].
+    /// The errors are those of [`Episode::save`].
     pub fn save(&self) -> Result<Vec<u8>, Error> {
         let saved = Saved {
             mode: self.mode,
             setup: self.setup.clone(),
             time_s: self.time_s,
-            reward: self.mission.as_ref().map_or(0.0, |mission| mission.reward),
+            reward: self.episode.as_ref().map_or(0.0, |episode| episode.reward),
             actions: self.inputs.actions.clone(),
             positions: self.inputs.positions.clone(),
             links: self.inputs.links.clone(),
-            snapshot: self.mission.as_ref().map(Mission::save).transpose()?,
+            snapshot: self.episode.as_ref().map(Episode::save).transpose()?,
             memory: self
-                .mission
+                .episode
                 .as_ref()
-                .map(Mission::memory)
+                .map(Episode::memory)
                 .unwrap_or_default(),
         };
         serde_json::to_vec(&saved).map_err(Error::Save)
@@ -335,12 +335,12 @@ impl Instance {
         let mut saved: Saved =
             serde_json::from_slice(bytes).map_err(|source| json("saved state", source))?;
         saved.setup.resources.clone_from(&self.setup.resources);
-        let mut mission = saved
+        let mut episode = saved
             .snapshot
-            .map(|snapshot| Mission::restore(&saved.setup, &snapshot, &saved.memory))
+            .map(|snapshot| Episode::restore(&saved.setup, &snapshot, &saved.memory))
             .transpose()?;
-        if let Some(mission) = &mut mission {
-            mission.reward = saved.reward;
+        if let Some(episode) = &mut episode {
+            episode.reward = saved.reward;
         }
         let uavs = saved.setup.size("uav_count")? as usize;
         if saved.actions.len() != 2 * uavs
@@ -358,7 +358,7 @@ impl Instance {
                 positions: saved.positions,
                 links: saved.links,
             },
-            mission,
+            episode,
             time_s: saved.time_s,
         })
     }

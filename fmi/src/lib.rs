@@ -17,6 +17,7 @@
 #![deny(unsafe_code)]
 
 pub mod description;
+pub mod episode;
 pub mod error;
 #[allow(unsafe_code, non_snake_case, clippy::not_unsafe_ptr_arg_deref)]
 pub mod exchange;
@@ -25,7 +26,6 @@ pub mod handle;
 pub mod instance;
 #[allow(unsafe_code, non_snake_case, clippy::not_unsafe_ptr_arg_deref)]
 pub mod interface;
-pub mod mission;
 #[allow(unsafe_code, non_snake_case, clippy::not_unsafe_ptr_arg_deref)]
 pub mod refused;
 pub mod setup;

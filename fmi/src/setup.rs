@@ -7,8 +7,8 @@ use jcas_core::{Config, MotionMap};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::episode::Inputs;
 use crate::error::Error;
-use crate::mission::Inputs;
 
 /// The parameters of an instance, which are fixed once the episode begins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
+use crate::episode::Episode;
 use crate::error::Error;
-use crate::mission::Mission;
 use crate::variables::VariableType;
 
 /// The values of one or more variables of one type, in one array.
@@ -55,8 +55,8 @@ pub(crate) fn field_values(kind: VariableType, value: &Value) -> Result<Values, 
 }
 
 /// Returns the value of an output.
-pub(crate) fn output(name: &str, mission: &Mission) -> Result<Values, Error> {
-    let state = mission.state()?;
+pub(crate) fn output(name: &str, episode: &Episode) -> Result<Values, Error> {
+    let state = episode.state()?;
     let (uavs, hotspots) = (0..state.uav_count(), 0..state.hotspot_count());
     let real = |value: f64| Values::Float64(vec![value]);
     let truth = |value: bool| Values::Boolean(vec![value]);
@@ -97,13 +97,13 @@ pub(crate) fn output(name: &str, mission: &Mission) -> Result<Values, Error> {
         "energy_kwh" => real(metrics.energy_kwh),
         "co2_kg" => real(metrics.co2_kg),
         "carbon_intensity" => real(state.carbon_intensity_mg_per_kwh() as f64 / 1e6),
-        "reward" => real(mission.reward),
+        "reward" => real(episode.reward),
         "return_sum" => real(metrics.return_sum),
         "terminated" => truth(metrics.terminated),
         "truncated" => truth(metrics.truncated),
-        "state_hash" => Values::UInt64(vec![mission.hash()]),
+        "state_hash" => Values::UInt64(vec![episode.hash()]),
         "reported_count" => {
-            let cells = mission.model().config().cell_count();
+            let cells = episode.model().config().cell_count();
             let reported = |i| (0..cells).filter(move |&cell| state.report_level(i, cell) > 0);
             Values::UInt32(uavs.map(|i| reported(i).count() as u32).collect())
         }

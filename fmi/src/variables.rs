@@ -70,7 +70,7 @@ pub enum Causality {
     Independent,
     /// Sizes: set in configuration mode or before.
     Structural,
-    /// Set before the mission begins.
+    /// Set before the episode begins.
     Parameter,
     /// Set before each step.
     Input,

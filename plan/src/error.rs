@@ -15,9 +15,9 @@ pub enum PlanError {
         /// The maximum number of UAVs of a plan.
         most: usize,
     },
-    /// The mission has more hotspots than a plan can visit.
+    /// The episode has more hotspots than a plan can visit.
     TooManyHotspots {
-        /// Number of hotspots of the mission.
+        /// Number of hotspots of the episode.
         hotspots: usize,
         /// The maximum number of hotspots of a plan.
         most: usize,

@@ -35,11 +35,11 @@ pub struct PlanFile {
     pub iterations: u64,
     /// Whether the annealing ended before the requested number of moves.
     pub stopped: bool,
-    /// Expected number of steps until the end of the mission.
+    /// Expected number of steps until the end of the episode.
     pub expected_steps: f64,
     /// Expected number of steps until every hotspot is confirmed.
     pub expected_confirmed_steps: f64,
-    /// Probability that the mission ends before the horizon.
+    /// Probability that the episode ends before the horizon.
     pub success: f64,
     /// Expected number of steps of the initial trajectories.
     pub start_steps: f64,
@@ -224,7 +224,7 @@ impl PlanFile {
         })
     }
 
-    /// Checks that a plan can promise these figures, and that its hotspots are those of a mission.
+    /// Checks that a plan can promise these figures, and that its hotspots are those of an episode.
     fn check_promises(&self, model: &Model<'_>) -> Result<(), PlanFileError> {
         let config = model.config();
         let horizon = f64::from(config.horizon_steps);

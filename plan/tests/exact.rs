@@ -29,13 +29,13 @@ fn planned(model: &Model<'_>) -> Plan {
 }
 
 /// Returns the time of each simulated episode in steps; the horizon if it does not end.
-fn fly(model: &Model<'_>, plan: &Plan, hotspots: Option<&[Cell]>, missions: u64) -> Vec<f64> {
+fn fly(model: &Model<'_>, plan: &Plan, hotspots: Option<&[Cell]>, episodes: u64) -> Vec<f64> {
     let mut sim = Sim::new(model);
     let follower = Follower::new(plan.clone());
     let mut actions = vec![0.0; model.action_len()];
-    (0..missions)
-        .map(|mission| {
-            sim.reset(derive_seed(11, mission));
+    (0..episodes)
+        .map(|episode| {
+            sim.reset(derive_seed(11, episode));
             if let Some(cells) = hotspots {
                 sim.set_hotspots(cells).unwrap();
             }
@@ -150,8 +150,8 @@ fn a_fleet_that_reports_stays_one_component() {
     let mut replanner = Replanner::new(5_000, BRIEF);
     let mut sim = Sim::new(&model);
     let mut actions = vec![0.0; model.action_len()];
-    for mission in 0..3 {
-        sim.reset(derive_seed(5, mission));
+    for episode in 0..3 {
+        sim.reset(derive_seed(5, episode));
         replanner.reset();
         loop {
             replanner.try_plan(&model, &sim.state()).unwrap();
@@ -193,7 +193,7 @@ fn a_search_takes_what_is_expected() {
     is_near(mean, error, plan.expected.steps);
 }
 
-/// The mission of ten UAVs and seven hotspots in the preset, flown often enough that a bias of two
+/// The episode of ten UAVs and seven hotspots in the preset, flown often enough that a bias of two
 /// hundredths of a step shows. It takes a release build: `cargo test --release -p jcas-plan`.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
@@ -293,8 +293,8 @@ fn batteries_are_respected() {
         let mut sim = Sim::new(&model);
         let follower = Follower::new(plan.clone());
         let mut actions = vec![0.0; model.action_len()];
-        for mission in 0..50 {
-            sim.reset(mission);
+        for episode in 0..50 {
+            sim.reset(episode);
             loop {
                 follower.write(&model, &sim.state(), &mut actions);
                 let outcome = sim.step(&actions).unwrap();
@@ -341,7 +341,7 @@ fn any_grid_depot_and_fleet() {
     }
 }
 
-fn replanned(model: &Model<'_>, missions: u64) -> Vec<f64> {
+fn replanned(model: &Model<'_>, episodes: u64) -> Vec<f64> {
     let settings = Settings {
         iterations: 2_000,
         seed: 1,
@@ -349,9 +349,9 @@ fn replanned(model: &Model<'_>, missions: u64) -> Vec<f64> {
     let mut replanner = Replanner::new(5_000, settings);
     let mut sim = Sim::new(model);
     let mut actions = vec![0.0; model.action_len()];
-    (0..missions)
-        .map(|mission| {
-            sim.reset(derive_seed(11, mission));
+    (0..episodes)
+        .map(|episode| {
+            sim.reset(derive_seed(11, episode));
             replanner.reset();
             loop {
                 replanner.try_plan(model, &sim.state()).unwrap();

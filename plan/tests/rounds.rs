@@ -1,4 +1,4 @@
-//! Missions whose hotspots must be hovered over for a long time.
+//! Episodes whose hotspots must be hovered over for a long time.
 
 use jcas_core::{Config, Model, Preset, Sim};
 use jcas_plan::PlannedKind;

@@ -1,14 +1,14 @@
 //! Tests that every instruction set gives the bits of the plain formula for the outputs of
 //! networks.
 
-#[path = "../../policy/tests/mission/mod.rs"]
-mod mission;
+#[path = "../../policy/tests/episode/mod.rs"]
+mod episode;
 
+use episode::{EPISODES, fly};
 use jcas_core::rng::{derive_seed, unit};
 use jcas_core::{Config, Model};
 use jcas_policy::network::Network;
 use jcas_simd::InstructionSet;
-use mission::{MISSIONS, fly};
 
 /// Returns a number between −1 and 1, which is sometimes zero.
 fn number(seed: u64, index: usize) -> f32 {
@@ -121,7 +121,7 @@ fn every_instruction_set_multiplies_as_the_plain_formula() {
                 let mut outputs = vec![f32::NAN; expected.len()];
                 network
                     .outputs(&weights, &model, &rows, &mut scratch, &mut outputs)
-                    .expect("a mission that fits");
+                    .expect("a episode that fits");
                 let outputs: Vec<u32> = outputs.into_iter().map(bits).collect();
                 assert_eq!(outputs, expected, "{}, {widths:?}", set.name());
             }
@@ -141,7 +141,7 @@ fn bits(x: f32) -> u32 {
 #[test]
 fn the_shipped_policy_flies_the_same_missions_with_every_instruction_set() {
     for set in InstructionSet::all() {
-        let flown = MISSIONS.map(|mission| fly(mission, set.matmul()));
-        assert_eq!(flown, MISSIONS, "{}", set.name());
+        let flown = EPISODES.map(|episode| fly(episode, set.matmul()));
+        assert_eq!(flown, EPISODES, "{}", set.name());
     }
 }

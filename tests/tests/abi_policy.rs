@@ -11,7 +11,7 @@ use std::process::Command;
 use abi_support::{c_compilers, compile, root, run};
 use jcas_core::rng::derive_seed;
 use jcas_core::{Config, Model, Sim};
-use jcas_episode::mission::fly_episode;
+use jcas_episode::campaign::fly_episode;
 use jcas_policy::head::Mode;
 use jcas_policy::network::{ActOptions, Network};
 use jcas_policy::{BaselineKind, PilotMode};

@@ -1,6 +1,6 @@
 //! The fields, presets and policies that a page offers.
 
-use crate::mission::SHIPPED;
+use crate::episode::SHIPPED;
 use crate::scenes::scenes;
 use jcas_core::{Config, Preset};
 use jcas_policy::{BaselineKind, named_policies};
@@ -56,7 +56,7 @@ pub(crate) fn about() -> String {
         "policies": policies,
         "default_policies": default_policies,
         "scenes": scenes(),
-        "largest": { "uavs": super::mission::MOST_UAVS, "cells": super::mission::MOST_CELLS },
+        "largest": { "uavs": super::episode::MOST_UAVS, "cells": super::episode::MOST_CELLS },
     })
     .to_string()
 }

@@ -1,10 +1,10 @@
-//! The missions that the page offers by name.
+//! The episodes that the page offers by name.
 
 use serde_json::{Value, json};
 
-/// Returns the scenes: name, a few words, and the mission as the page's address holds it.
+/// Returns the scenes: name, a few words, and the episode as the page's address holds it.
 pub(crate) fn scenes() -> Value {
-    let scene = |name: &str, summary: &str, mission: Value| json!({ "name": name, "summary": summary, "mission": mission });
+    let scene = |name: &str, summary: &str, episode: Value| json!({ "name": name, "summary": summary, "mission": episode });
     json!([
         scene("Teams", "Known hotspots, which teams divide", json!({})),
         scene(
@@ -47,14 +47,14 @@ mod tests {
 
     /// As the page asks for a scene.
     fn fly(scene: &Value) -> Value {
-        let mission = &scene["mission"];
-        let mut config = mission["set"].as_object().cloned().unwrap_or_default();
-        if let Some(preset) = mission.get("preset") {
+        let episode = &scene["mission"];
+        let mut config = episode["set"].as_object().cloned().unwrap_or_default();
+        if let Some(preset) = episode.get("preset") {
             config.insert("preset".to_owned(), preset.clone());
         }
         let mut question =
             json!({ "ask": "fly", "config": config, "pilot": "adaptive", "seed": 1 });
-        if let Some(policy) = mission.get("policy") {
+        if let Some(policy) = episode.get("policy") {
             question["policy"] = policy.clone();
         }
         serde_json::from_str(&crate::answer(&question.to_string())).unwrap()

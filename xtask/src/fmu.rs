@@ -62,7 +62,7 @@ pub fn pack(binaries: &[Binary]) -> Result<Vec<u8>, Box<dyn std::error::Error>> 
         add(&name, &binary.library)?;
     }
     add("documentation/index.html", PAGE.as_bytes())?;
-    for (name, bytes) in jcas_web::mission::SHIPPED {
+    for (name, bytes) in jcas_web::episode::SHIPPED {
         add(&format!("resources/{name}.safetensors"), bytes)?;
     }
     for (name, text) in LICENSES {

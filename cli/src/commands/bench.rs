@@ -10,7 +10,7 @@ use jcas_simd::InstructionSet;
 use serde::Serialize;
 
 use crate::error::{CliError, Outcome};
-use crate::options::MissionOptions;
+use crate::options::ModelOptions;
 use crate::{files, interrupt};
 
 const EXAMPLES: &str = "\
@@ -39,7 +39,7 @@ const PHASES: [&str; 5] = ["begin", "sense", "communicate", "end", "observe"];
 #[command(after_help = EXAMPLES)]
 pub struct Bench {
     #[command(flatten)]
-    mission: MissionOptions,
+    model: ModelOptions,
     /// Environments stepped in turn, side by side in memory
     #[arg(
         long,
@@ -92,7 +92,7 @@ impl Bench {
                 self.seconds
             )));
         }
-        let config = self.mission.load()?;
+        let config = self.model.load()?;
         let model = Model::new(config)?;
         let actions = random_actions(&model, self.environments as usize);
         let time = Duration::from_secs_f64(self.seconds);

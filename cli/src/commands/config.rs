@@ -15,7 +15,7 @@ use crate::config_source::{ConfigSource, PresetName};
 use crate::error::{CliError, Outcome};
 use crate::fields::by_subject;
 use crate::files;
-use crate::options::MissionOptions;
+use crate::options::ModelOptions;
 
 const SHOW_EXAMPLES: &str = "\
 Examples:
@@ -40,7 +40,7 @@ pub enum ConfigCommand {
 #[command(after_help = SHOW_EXAMPLES)]
 pub struct Show {
     #[command(flatten)]
-    mission: MissionOptions,
+    model: ModelOptions,
     /// Output format; toml and json can be read back with --config
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
@@ -100,7 +100,7 @@ impl ConfigCommand {
 
 impl Show {
     fn run(self) -> Result<Outcome, CliError> {
-        let config = self.mission.load()?;
+        let config = self.model.load()?;
         match if self.json { Format::Json } else { self.format } {
             Format::Json => files::print_json(&config)?,
             Format::Toml => {

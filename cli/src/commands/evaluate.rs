@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use jcas_core::Model;
+use jcas_episode::campaign::Campaign;
 use jcas_episode::card::EVALUATION_SEED;
-use jcas_episode::mission::Campaign;
 use jcas_episode::shard::Shard;
 use jcas_policy::BaselineKind;
 use jcas_policy::head::Mode;
@@ -16,7 +16,7 @@ use crate::evaluation::{self, Evaluation};
 use crate::idle::Idle;
 use crate::learned;
 use crate::numbers;
-use crate::options::{self, MissionOptions, ThreadOptions, policy_factory};
+use crate::options::{self, ModelOptions, ThreadOptions, policy_factory};
 use crate::planned;
 
 const EXAMPLES: &str = "\
@@ -33,13 +33,13 @@ pub enum ModeName {
     Card,
     /// The most likely motion and the mean pilot density
     Deterministic,
-    /// A draw that follows from the mission's seed
+    /// A draw that follows from the episode's seed
     Sampled,
 }
 
 /// Evaluate a trained policy or a baseline on the published seeds
 ///
-/// The missions and the report are those of `jcas simulate` with the same seed. A trained policy
+/// The episodes and the report are those of `jcas simulate` with the same seed. A trained policy
 /// runs with the configuration on its card. Options change single fields of that configuration;
 /// --preset or --config replaces all fields. Standard error lists what the options change. A policy
 /// whose dimensions do not fit is refused.
@@ -56,16 +56,16 @@ pub struct Evaluate {
     #[arg(long, value_enum, default_value_t = ModeName::Card)]
     mode: ModeName,
     #[command(flatten)]
-    mission: MissionOptions,
-    /// Missions to fly
+    model: ModelOptions,
+    /// Episodes to fly
     #[arg(long, value_name = "M", default_value_t = 1000, value_parser = numbers::above_zero)]
     episodes: u64,
-    /// Seed; each mission's own seed follows from it
+    /// Seed; each episode's own seed follows from it
     #[arg(long, value_name = "S", default_value_t = EVALUATION_SEED, value_parser = numbers::whole)]
     seed: u64,
     #[command(flatten)]
     threads: ThreadOptions,
-    /// Fly only the i-th of n parts of the missions and write them; `jcas merge` joins the parts
+    /// Fly only the i-th of n parts of the episodes and write them; `jcas merge` joins the parts
     #[arg(long, value_name = "i/n")]
     shard: Option<Shard>,
     /// Folder for the part
@@ -98,7 +98,7 @@ impl Evaluate {
     /// Runs the campaign and prints the report.
     pub fn run(self) -> Result<Outcome, CliError> {
         let learned = learned::is_policy(&self.policy);
-        let config = self.mission.load_for(&self.policy)?;
+        let config = self.model.load_for(&self.policy)?;
         let model = Model::new(config)?;
         let mode = match self.mode {
             ModeName::Card => None,
@@ -123,8 +123,8 @@ impl Evaluate {
             evaluation::fly_shard(evaluation, shard, &factory, &self.threads, place)?;
             return Ok(Outcome::Done);
         }
-        let summary = self.threads.run_missions(self.episodes, || {
-            fly(&model, campaign, &factory, "missions")
+        let summary = self.threads.run_episodes(self.episodes, || {
+            fly(&model, campaign, &factory, "episodes")
         })??;
         Report::new(who, &config, self.seed, summary).print(self.json)?;
         Ok(Outcome::Done)

@@ -42,7 +42,7 @@ impl Merge {
     pub fn run(self) -> Result<Outcome, CliError> {
         let (bytes, count, what) = if self.shards.first().is_some_and(|first| is_part(first)) {
             let (bytes, count) = evaluation::merged(shard::read_all(&self.shards, &self.out)?)?;
-            (bytes, count, "missions")
+            (bytes, count, "episodes")
         } else {
             let merged = self.join(shard::read_all(&self.shards, &self.out)?)?;
             (merged.bytes()?, merged.len(), "cells")

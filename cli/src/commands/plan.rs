@@ -1,4 +1,4 @@
-//! `jcas plan`: plans a mission and states its expected duration.
+//! `jcas plan`: plans an episode and states its expected duration.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::error::{CliError, Outcome};
 use crate::export::{GeoPosition, geojson, mission_of, picture};
 use crate::idle::Idle;
 use crate::learned::PolicyFactory;
-use crate::options::{EpisodeOptions, MissionOptions};
+use crate::options::{EpisodeOptions, ModelOptions};
 use crate::{files, interrupt, numbers, progress};
 
 const EXAMPLES: &str = "\
@@ -24,7 +24,7 @@ Examples:
   jcas plan --preset search --depot 48.137,11.575 --geojson plan.geojson --qgroundcontrol flights
   jcas simulate --policy plan:plan.json";
 
-/// Plan a mission: trajectories of least expected time, by simulated annealing
+/// Plan an episode: trajectories of least expected time, by simulated annealing
 ///
 /// The fleet searches all cells for hidden hotspots. Known hotspots are those of --hotspot, or else
 /// those of the episode. The fleet follows the plan without feedback. The plan therefore ends in a
@@ -34,7 +34,7 @@ Examples:
 #[command(after_help = EXAMPLES)]
 pub struct Plan {
     #[command(flatten)]
-    mission: MissionOptions,
+    model: ModelOptions,
     /// Moves that the annealing tries
     #[arg(long, value_name = "COUNT", default_value_t = 1_000_000, value_parser = numbers::whole)]
     iterations: u64,
@@ -110,7 +110,7 @@ impl Plan {
 
     /// Makes the plan, writes the files and prints the report.
     pub fn run(self) -> Result<Outcome, CliError> {
-        let model = Model::new(self.mission.load()?)?;
+        let model = Model::new(self.model.load()?)?;
         let hotspots = self.hotspots(&model)?;
         let plan = self.anneal(&model, hotspots.as_deref())?;
         let file = PlanFile::new(&model, &plan, hotspots);

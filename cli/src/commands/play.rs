@@ -15,11 +15,11 @@ Examples:
   jcas play                        opens the playground in the browser
   jcas play --port 8080 --no-open  says where it is, and waits";
 
-/// Run missions in the browser and change them while they run
+/// Run episodes in the browser and change them while they run
 ///
 /// Serves one page on the loopback interface until Ctrl-C; only programs on this machine and the
-/// page itself can reach it. The address of the page holds the whole mission: every reader of an
-/// address sees the same mission, bit for bit.
+/// page itself can reach it. The address of the page holds the whole episode: every reader of an
+/// address sees the same episode, bit for bit.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Play {
@@ -29,7 +29,7 @@ pub struct Play {
     /// Do not open a browser
     #[arg(long)]
     no_open: bool,
-    /// Time in seconds after which a mission that is still computed is given up
+    /// Time in seconds after which an episode that is still computed is given up
     #[arg(long, value_name = "S", default_value_t = 20, value_parser = numbers::above_zero)]
     time_limit: u64,
     /// Answer one request of the page from standard input, and end

@@ -12,7 +12,7 @@ use crate::error::{CliError, Outcome};
 use crate::files;
 use crate::idle::Idle;
 use crate::learned::PolicyFactory;
-use crate::options::{EpisodeOptions, MissionOptions, PolicyOptions, policy_factory};
+use crate::options::{EpisodeOptions, ModelOptions, PolicyOptions, policy_factory};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -33,7 +33,7 @@ pub struct Replay {
     #[arg(short, long, value_name = "FILE", default_value = "replay.html")]
     out: PathBuf,
     #[command(flatten)]
-    mission: MissionOptions,
+    model: ModelOptions,
     #[command(flatten)]
     policy: PolicyOptions,
     #[command(flatten)]
@@ -46,7 +46,7 @@ impl Replay {
         const APPLIES: &str = "without TRACE, which is played as it was recorded";
         match self.trace {
             Some(_) => vec![
-                Idle::group::<MissionOptions>(APPLIES),
+                Idle::group::<ModelOptions>(APPLIES),
                 Idle::group::<PolicyOptions>(APPLIES),
                 Idle::group::<EpisodeOptions>(APPLIES),
             ],
@@ -65,7 +65,7 @@ impl Replay {
                 write_page(&self.out, &text)?;
             }
             None => {
-                let (policy, config) = self.policy.choose(&self.mission)?;
+                let (policy, config) = self.policy.choose(&self.model)?;
                 let model = Model::new(config)?;
                 let factory = policy_factory(&policy, &self.policy.pilot, &model)?;
                 fly_page(&self.out, &model, &factory, self.episode.seed())?;

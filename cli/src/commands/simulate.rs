@@ -1,10 +1,10 @@
-//! `jcas simulate`: runs many missions of one fleet.
+//! `jcas simulate`: runs many episodes of one fleet.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use jcas_core::{Config, Metrics, Model};
-use jcas_episode::mission::{self, Campaign};
+use jcas_episode::campaign::{self, Campaign};
 use jcas_episode::shard::Shard;
 use jcas_episode::statistics::{Estimate, FALSE_CONFIRMATIONS, Summary};
 use serde::Serialize;
@@ -13,7 +13,7 @@ use crate::config_source::ConfigSource;
 use crate::error::{CliError, Outcome};
 use crate::idle::Idle;
 use crate::learned::PolicyFactory;
-use crate::options::{MissionOptions, PolicyOptions, ThreadOptions, policy_factory};
+use crate::options::{ModelOptions, PolicyOptions, ThreadOptions, policy_factory};
 use crate::{files, interrupt, learned, numbers, progress};
 
 const EXAMPLES: &str = "\
@@ -23,21 +23,21 @@ Examples:
   jcas simulate --set target_visibility=hidden --policy line --json
   jcas simulate --preset paper --config mine.toml --trace first.jsonl";
 
-/// Run many missions of one fleet and report success, time, energy, CO2 and throughput
+/// Run many episodes of one fleet and report success, time, energy, CO2 and throughput
 ///
 /// Intervals cover 95 %: Wilson for the success rate, bootstrap percentiles for the means. A failed
-/// mission counts its horizon as its mission time.
+/// episode counts its horizon as its mission time.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Simulate {
     #[command(flatten)]
-    mission: MissionOptions,
+    model: ModelOptions,
     #[command(flatten)]
     policy: PolicyOptions,
-    /// Missions to run
+    /// Episodes to run
     #[arg(long, value_name = "M", default_value_t = 1000, value_parser = numbers::above_zero)]
     episodes: u64,
-    /// Seed; each mission's own seed follows from it
+    /// Seed; each episode's own seed follows from it
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = numbers::whole)]
     seed: u64,
     #[command(flatten)]
@@ -45,7 +45,7 @@ pub struct Simulate {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Record the first mission
+    /// Record the first episode
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
 }
@@ -84,7 +84,7 @@ impl Simulate {
     /// Runs the campaign and prints the report.
     pub fn run(self) -> Result<Outcome, CliError> {
         let pilot = self.policy.pilot.as_str();
-        let (policy, config) = self.policy.choose(&self.mission)?;
+        let (policy, config) = self.policy.choose(&self.model)?;
         let model = Model::new(config)?;
         let factory = policy_factory(&policy, pilot, &model)?;
         let campaign = Campaign {
@@ -94,8 +94,8 @@ impl Simulate {
         if let Some(path) = &self.trace {
             super::trace::record_to(path, &model, &factory, campaign.episode_seed(0))?;
         }
-        let summary = self.threads.run_missions(self.episodes, || {
-            fly(&model, campaign, &factory, "missions")
+        let summary = self.threads.run_episodes(self.episodes, || {
+            fly(&model, campaign, &factory, "episodes")
         })??;
         let rule = learned::pilot_rule(&policy, pilot)?;
         let who = (policy.as_str(), rule.as_str());
@@ -111,8 +111,8 @@ pub fn fly(
     factory: &PolicyFactory,
     what: &str,
 ) -> Result<Summary, CliError> {
-    let missions = fly_part(model, campaign, Shard::WHOLE, factory, what)?;
-    Ok(Summary::of(&missions, model.config().horizon_steps))
+    let episodes = fly_part(model, campaign, Shard::WHOLE, factory, what)?;
+    Ok(Summary::of(&episodes, model.config().horizon_steps))
 }
 
 /// Runs a part of a campaign behind a progress bar.
@@ -125,12 +125,12 @@ pub fn fly_part(
 ) -> Result<Vec<Metrics>, CliError> {
     let own = part.cell_count(campaign.episodes as usize);
     let bar = progress::bar(own as u64, what);
-    let missions = mission::fly_part(model, campaign, part, factory, &|| {
+    let episodes = campaign::fly_part(model, campaign, part, factory, &|| {
         bar.inc(1);
         interrupt::check()
     });
     bar.finish_and_clear();
-    Ok(missions?)
+    Ok(episodes?)
 }
 
 impl<'a> Report<'a> {
@@ -165,7 +165,7 @@ impl<'a> Report<'a> {
 
     fn to_text(&self) -> String {
         let mut text = format!(
-            "{} missions: {} UAVs, {} hotspots, policy {}, pilot {}, seed {}\n\n",
+            "{} episodes: {} UAVs, {} hotspots, policy {}, pilot {}, seed {}\n\n",
             self.summary.episodes, self.uavs, self.hotspots, self.policy, self.pilot, self.seed
         );
         for quantity in self.summary.quantities() {
@@ -180,7 +180,7 @@ impl<'a> Report<'a> {
             );
         }
         text += &format!(
-            "\nIn brackets 95 % intervals. A mission without success counts as {} steps.\n\
+            "\nIn brackets 95 % intervals. An episode without success counts as {} steps.\n\
              Configuration {}: {}.\n",
             self.horizon_steps, self.config_hash, self.preset
         );

@@ -1,4 +1,4 @@
-//! `jcas sweep`: runs missions over a grid of settings.
+//! `jcas sweep`: runs episodes over a grid of settings.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use clap::Args;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{CellAlignment, Table};
 use jcas_core::{Model, TargetVisibility};
-use jcas_episode::mission::Campaign;
+use jcas_episode::campaign::Campaign;
 use jcas_episode::shard::Shard;
 use jcas_episode::statistics::{Estimate, FALSE_CONFIRMATIONS, Summary};
 use jcas_policy::BaselineKind;
@@ -38,7 +38,7 @@ command goes on with the others.";
 /// Without options, the sweep covers the paper's grid of fleets and hotspots with the best
 /// baseline. It writes into the folder of --out. results.csv holds every quantity with its 95 %
 /// interval. Figures show success, mission time, energy and throughput, as SVG and PNG. replay.html
-/// plays one of the missions. An interrupted sweep goes on where its table ends. The table of
+/// plays one of the episodes. An interrupted sweep goes on where its table ends. The table of
 /// another sweep, or of other policies under the same names, is refused.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -90,10 +90,10 @@ pub struct Sweep {
     /// Values of any field; may be repeated
     #[arg(long, value_name = "FIELD=VALUE,VALUE", help_heading = "Lists")]
     vary: Vec<String>,
-    /// Missions in each cell
+    /// Episodes in each cell
     #[arg(long, value_name = "M", default_value_t = 300, value_parser = numbers::above_zero)]
     episodes: u64,
-    /// Seed; every cell uses the same seeds of missions
+    /// Seed; every cell uses the same seeds of episodes
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = numbers::whole)]
     seed: u64,
     /// Folder for the results
@@ -156,7 +156,7 @@ impl Sweep {
                 .map(|path| format!("  {}\n", path.display()))
                 .collect();
             files::print(&format!(
-                "{}\n{} missions a cell; {INTERVALS}\n\nwritten:\n{}",
+                "{}\n{} episodes a cell; {INTERVALS}\n\nwritten:\n{}",
                 text_table(&axes, &cells, &store),
                 self.episodes,
                 list.concat()
@@ -165,7 +165,7 @@ impl Sweep {
         Ok(Outcome::Done)
     }
 
-    /// Every policy of a sweep runs the same missions, even if it was trained on others.
+    /// Every policy of a sweep runs the same episodes, even if it was trained on others.
     fn say_what_cards_do_not(&self, base: &ConfigSource, axes: &[Axis]) -> Result<(), CliError> {
         for policy in self.policy.iter().filter(|name| learned::is_policy(name)) {
             let trained_on = ConfigSource::of(&learned::card(Path::new(policy))?.config);
@@ -176,7 +176,7 @@ impl Sweep {
         Ok(())
     }
 
-    /// The requested policies, or by default those that suit the mission.
+    /// The requested policies, or by default those that suit the episode.
     fn policies(&self, base: &ConfigSource) -> Result<Vec<String>, CliError> {
         if !self.policy.is_empty() {
             return Ok(self.policy.clone());
@@ -213,7 +213,7 @@ impl Sweep {
         Ok(axes)
     }
 
-    /// Writes a page that plays the first mission of the last cell, in most sweeps the largest.
+    /// Writes a page that plays the first episode of the last cell, in most sweeps the largest.
     fn replay(&self, cells: &[SweepCell], path: &std::path::Path) -> Result<(), CliError> {
         let Some(cell) = cells.last() else {
             return Ok(());
@@ -283,7 +283,7 @@ pub(super) fn title(axis: &str) -> &str {
 }
 
 /// What the intervals of a table are.
-pub(super) const INTERVALS: &str = "95 % intervals, [low, high] or ± half the width; a mission \
+pub(super) const INTERVALS: &str = "95 % intervals, [low, high] or ± half the width; an episode \
                                     without success counts with its horizon";
 
 /// Formats a value with its interval. A share has both bounds, because its interval is not

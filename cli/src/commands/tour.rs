@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use jcas_core::Model;
-use jcas_episode::mission::Campaign;
+use jcas_episode::campaign::Campaign;
 use jcas_episode::trace;
 use jcas_figures::report::{Report, Table};
 
@@ -77,7 +77,7 @@ const GRIDS: [Grid; 2] = [
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Tour {
-    /// Missions in each cell
+    /// Episodes in each cell
     #[arg(
         long,
         value_name = "M",
@@ -129,7 +129,7 @@ impl Tour {
         files::write_bytes(&path, report.html().as_bytes())?;
         files::print(&format!(
             "{traces} golden traces reproduced bit for bit\n\
-             {} missions in each of the grid's cells; tables, figures and replay pages in {}\n\
+             {} episodes in each of the grid's cells; tables, figures and replay pages in {}\n\
              {:.0} s\n\nopen {}\n",
             self.episodes,
             self.out.display(),
@@ -202,10 +202,10 @@ impl Tour {
         files::prepare_folder(&folder)?;
         charts::draw(&folder, axes, cells, store, self.episodes)?;
         report.section(grid.heading).text(&format!(
-            "{} {} missions in each cell, seed {SEED}.",
+            "{} {} episodes in each cell, seed {SEED}.",
             grid.text, self.episodes
         ));
-        report.link(&page, "Watch a mission of the table's last policy");
+        report.link(&page, "Watch an episode of the table's last policy");
         for (name, figure) in charts::figures(axes, cells, store, self.episodes) {
             if name == "success_over_uav_count" || name == "mission_time_over_uav_count" {
                 report
@@ -217,7 +217,7 @@ impl Tour {
         Ok(())
     }
 
-    /// Plays the first mission of the last cell: the last policy with the largest fleet.
+    /// Plays the first episode of the last cell: the last policy with the largest fleet.
     fn replay(&self, cells: &[SweepCell], path: &Path) -> Result<(), CliError> {
         let Some(cell) = cells.last() else {
             return Ok(());
@@ -228,7 +228,7 @@ impl Tour {
     }
 }
 
-/// The page that plays a mission of a grid, beside the report.
+/// The page that plays an episode of a grid, beside the report.
 fn page_of(grid: &Grid) -> String {
     format!("{}.html", grid.name)
 }

@@ -12,7 +12,7 @@ use crate::error::{CliError, Outcome};
 use crate::files;
 use crate::idle::Idle;
 use crate::learned::PolicyFactory;
-use crate::options::{EpisodeOptions, MissionOptions, PolicyOptions, policy_factory};
+use crate::options::{EpisodeOptions, ModelOptions, PolicyOptions, policy_factory};
 
 const RECORD_EXAMPLES: &str = "\
 Examples:
@@ -39,7 +39,7 @@ pub enum Trace {
 #[command(after_help = RECORD_EXAMPLES)]
 pub struct Record {
     #[command(flatten)]
-    mission: MissionOptions,
+    model: ModelOptions,
     #[command(flatten)]
     policy: PolicyOptions,
     #[command(flatten)]
@@ -98,7 +98,7 @@ impl Trace {
 
 impl Record {
     fn run(self) -> Result<Outcome, CliError> {
-        let (policy, config) = self.policy.choose(&self.mission)?;
+        let (policy, config) = self.policy.choose(&self.model)?;
         let model = Model::new(config)?;
         let factory = policy_factory(&policy, &self.policy.pilot, &model)?;
         let end = record_to(&self.out, &model, &factory, self.episode.seed())?;

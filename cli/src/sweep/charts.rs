@@ -88,11 +88,11 @@ pub fn figures(
     all
 }
 
-/// The note under a figure: the meaning of the whiskers, and the number of missions for each point.
+/// The note under a figure: the meaning of the whiskers, and the number of episodes for each point.
 fn sampling(title: &str, episodes: u64) -> String {
-    let mut note = format!("{episodes} missions a point; whiskers: 95 % intervals.");
+    let mut note = format!("{episodes} episodes a point; whiskers: 95 % intervals.");
     if title == MISSION_TIME {
-        note += " A mission without success counts with its horizon.";
+        note += " An episode without success counts with its horizon.";
     }
     note
 }

@@ -6,7 +6,7 @@ pub mod shard;
 pub mod store;
 
 use jcas_core::Model;
-use jcas_episode::mission::{self, Campaign};
+use jcas_episode::campaign::{self, Campaign};
 use jcas_episode::statistics::Summary;
 
 use crate::error::CliError;
@@ -23,10 +23,10 @@ pub fn fly(
     campaign: Campaign,
     threads: &ThreadOptions,
 ) -> Result<(), CliError> {
-    let bar = progress::bar(cells.len() as u64 * campaign.episodes, "missions");
+    let bar = progress::bar(cells.len() as u64 * campaign.episodes, "episodes");
     bar.inc(store.len() as u64 * campaign.episodes);
     bar.reset_eta();
-    let flown = threads.run_missions(campaign.episodes, || {
+    let flown = threads.run_episodes(campaign.episodes, || {
         for (index, cell) in cells.iter().enumerate() {
             if store.has(index) {
                 continue;
@@ -56,9 +56,9 @@ fn fly_cell(
 ) -> Result<Summary, CliError> {
     let model = Model::new(cell.config)?;
     let factory = policy_factory(&cell.policy, &cell.pilot, &model)?;
-    let missions = mission::fly(&model, campaign, &factory, &|| {
+    let episodes = campaign::fly(&model, campaign, &factory, &|| {
         bar.inc(1);
         interrupt::check()
     })?;
-    Ok(Summary::of(&missions, cell.config.horizon_steps))
+    Ok(Summary::of(&episodes, cell.config.horizon_steps))
 }

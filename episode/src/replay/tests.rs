@@ -7,7 +7,7 @@ use super::{fill, page, page_of};
 use crate::trace::{self, Trace};
 use jcas_policy::{BaselineKind, PilotMode};
 
-/// The trace of a mission of four UAVs, as text.
+/// The trace of an episode of four UAVs, as text.
 fn flight() -> String {
     let config = Config {
         grid_width: 6,
@@ -104,7 +104,7 @@ fn a_mark_inside_a_value_is_left_alone() {
     assert_eq!(filled, "a {{y}} b 2 c");
 }
 
-/// A page of a mission with false alarms holds them, and one without has no word of them.
+/// A page of an episode with false alarms holds them, and one without has no word of them.
 #[test]
 fn false_alarms_and_reports_are_shown_where_there_are_any() {
     let silent = data_of(&page(&flight()).unwrap());

@@ -141,7 +141,7 @@ pub struct Step {
     pub reports: Option<Vec<Vec<Vec<Cell>>>>,
     /// Carbon intensity that this step billed.
     pub carbon_intensity_mg_per_kwh: u64,
-    /// CO2 of the mission so far, in nanograms.
+    /// CO2 of the episode so far, in nanograms.
     pub co2_ng: u64,
     /// Mean normalised throughput over all UAVs.
     pub throughput: f64,
@@ -168,7 +168,7 @@ pub struct End {
     pub terminated: bool,
     /// Whether the horizon truncated the episode.
     pub truncated: bool,
-    /// Metrics of the mission.
+    /// Metrics of the episode.
     pub metrics: Metrics,
     /// Checksum of all preceding bytes.
     pub checksum: Hex,

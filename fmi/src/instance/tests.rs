@@ -34,20 +34,20 @@ fn reports_and_false_confirmations_are_outputs() {
     set("uav_count", Values::UInt32(vec![5]));
     set("quorum", Values::UInt32(vec![2]));
     set("false_alarm_per_cell", Values::Float64(vec![0.5]));
-    let mut mission = Mission::new(&unit.setup).expect("a mission");
-    let counts = |mission: &Mission, name: &str| match output(name, mission) {
+    let mut episode = Episode::new(&unit.setup).expect("an episode");
+    let counts = |episode: &Episode, name: &str| match output(name, episode) {
         Ok(Values::UInt32(counts)) => counts,
         other => panic!("{other:?}"),
     };
-    assert_eq!(counts(&mission, "reported_count"), [0; 5]);
-    assert_eq!(counts(&mission, "false_confirmation_count"), [0]);
-    mission.step(&unit.inputs).expect("a step");
+    assert_eq!(counts(&episode, "reported_count"), [0; 5]);
+    assert_eq!(counts(&episode, "false_confirmation_count"), [0]);
+    episode.step(&unit.inputs).expect("a step");
     assert!(
-        counts(&mission, "reported_count")
+        counts(&episode, "reported_count")
             .iter()
             .all(|&count| count > 0)
     );
-    assert!(counts(&mission, "false_confirmation_count")[0] > 0);
+    assert!(counts(&episode, "false_confirmation_count")[0] > 0);
 }
 
 /// Inputs that the importer has not set are the motion stay, in whatever bin it is.
@@ -58,11 +58,11 @@ fn a_fleet_without_actions_stays() {
         let mut unit = Instance::new(None).expect("an instance");
         let name = Values::String(vec![map.to_owned()]);
         unit.set(reference_of("motion_map"), name).expect("a map");
-        let mut mission = Mission::new(&unit.setup).expect("a mission");
-        let before = output("cell", &mission).expect("an output");
-        mission.step(&unit.inputs).expect("a step");
+        let mut episode = Episode::new(&unit.setup).expect("an episode");
+        let before = output("cell", &episode).expect("an output");
+        episode.step(&unit.inputs).expect("a step");
         assert_eq!(
-            output("cell", &mission).expect("an output"),
+            output("cell", &episode).expect("an output"),
             before,
             "{map}"
         );

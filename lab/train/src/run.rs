@@ -14,8 +14,8 @@ use crate::speed::Speed;
 use crate::store::write_whole;
 use crate::trainer::Trainer;
 use jcas_core::{Config, Metrics, Model};
+use jcas_episode::campaign::{self, Campaign};
 use jcas_episode::card::{self, Card, EVALUATION_SEED, Evaluation};
-use jcas_episode::mission::{self, Campaign};
 use jcas_episode::statistics::bootstrap_means;
 use jcas_policy::head::Mode;
 use jcas_policy::{Trained, action_of};
@@ -354,7 +354,7 @@ pub fn evaluate(
     episodes: u64,
     seed: u64,
 ) -> Result<Evaluation, TrainError> {
-    let missions = mission::fly(
+    let missions = campaign::fly(
         model,
         Campaign { episodes, seed },
         &|| Box::new(policy.clone()),

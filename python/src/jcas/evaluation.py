@@ -87,7 +87,7 @@ class Report:
 
     def __str__(self) -> str:
         lines = [
-            f"{self.episodes} missions: {self.uavs} UAVs, {self.hotspots} hotspots, "
+            f"{self.episodes} episodes: {self.uavs} UAVs, {self.hotspots} hotspots, "
             f"policy {self.policy}, seed {self.seed}",
             "",
         ]
@@ -99,7 +99,7 @@ class Report:
                 f"{quantity.title:20} {quantity.value:>10.{digits}f}  "
                 f"[{quantity.low:.{digits}f}, {quantity.high:.{digits}f}] {quantity.unit}".rstrip()
             )
-        note = "In brackets 95 % intervals. A mission without success counts as"
+        note = "In brackets 95 % intervals. An episode without success counts as"
         return "\n".join([*lines, "", f"{note} {self.horizon_steps} steps."])
 
 

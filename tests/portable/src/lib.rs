@@ -5,8 +5,8 @@
 #[cfg(target_family = "wasm")]
 mod wasm;
 
-#[path = "../../../policy/tests/mission/mod.rs"]
-mod mission;
+#[path = "../../../policy/tests/episode/mod.rs"]
+mod episode;
 
 use jcas_episode::trace;
 use jcas_policy::network::MatmulKernel;
@@ -22,7 +22,7 @@ pub struct Report {
     pub failures: u32,
 }
 
-/// Verifies all traces, in the order of their names, then the missions of shipped policies.
+/// Verifies all traces, in the order of their names, then the episodes of shipped policies.
 #[must_use]
 pub fn verify_all() -> Report {
     let mut report = Report {
@@ -39,8 +39,8 @@ pub fn verify_all() -> Report {
         };
         report.text.push_str(&line);
     }
-    for expected in mission::MISSIONS {
-        let found = mission::fly(expected, MatmulKernel::default());
+    for expected in episode::EPISODES {
+        let found = episode::fly(expected, MatmulKernel::default());
         if found == expected {
             let steps = found.steps;
             report.text += &format!("ok    policy of {:?}: {steps} steps\n", expected.preset);

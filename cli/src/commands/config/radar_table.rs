@@ -70,7 +70,7 @@ impl Check {
     }
 }
 
-/// The kernel's P_d on a grid that is finer than that of a mission.
+/// The kernel's P_d on a grid that is finer than that of an episode.
 struct Flown {
     config: Config,
     model: Model<'static>,

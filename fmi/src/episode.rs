@@ -34,46 +34,46 @@ impl Inputs {
 }
 
 /// An episode of a setup.
-pub struct Mission {
+pub struct Episode {
     setup: Setup,
     model: Model<'static>,
     words: Vec<u64>,
     scratch: Vec<u64>,
-    pilot: Option<Box<dyn Policy>>,
+    policy: Option<Box<dyn Policy>>,
     observations: Vec<f32>,
     actions: Vec<f32>,
     /// The sum of rewards since the last communication point.
     pub reward: f64,
 }
 
-impl Mission {
+impl Episode {
     /// Builds the episode at t = 0.
     ///
     /// # Errors
     /// The text names the parameter, the value and what is allowed.
     pub fn new(setup: &Setup) -> Result<Self, Error> {
         let model = Model::new(setup.config()?)?;
-        let pilot = pilot(setup, &model)?;
-        let mut mission = Self {
+        let policy = policy(setup, &model)?;
+        let mut episode = Self {
             setup: setup.clone(),
             words: vec![0; model.state_words()],
             scratch: vec![0; Scratch::words_for(&model)],
             actions: vec![0.0; model.action_len()],
             observations: vec![0.0; model.uav_count() * model.observation_len()],
-            pilot,
+            policy,
             model,
             reward: 0.0,
         };
-        mission.reset()?;
-        Ok(mission)
+        episode.reset()?;
+        Ok(episode)
     }
 
     fn reset(&mut self) -> Result<(), Error> {
         let mut scratch = Scratch::new(&self.model, &mut self.scratch)?;
         self.model
             .reset(&mut self.words, &mut scratch, self.setup.seed)?;
-        if let Some(pilot) = &mut self.pilot {
-            pilot.reset(&self.model, self.setup.seed);
+        if let Some(policy) = &mut self.policy {
+            policy.reset(&self.model, self.setup.seed);
         }
         self.reward = 0.0;
         Ok(())
@@ -102,7 +102,7 @@ impl Mission {
     /// Whether the episode has ended.
     ///
     /// # Errors
-    /// The errors are those of [`Mission::state`].
+    /// The errors are those of [`Episode::state`].
     pub fn over(&self) -> Result<bool, Error> {
         let state = self.state()?;
         Ok(state.terminated() || state.truncated())
@@ -117,20 +117,20 @@ impl Mission {
             model,
             words,
             scratch,
-            pilot,
+            policy,
             observations,
             actions,
             ..
         } = self;
-        match pilot {
-            Some(pilot) => {
+        match policy {
+            Some(policy) => {
                 let state = model.state(words)?;
-                if pilot.reads_observations() {
+                if policy.reads_observations() {
                     let mut scratch = Scratch::new(model, scratch)?;
                     observation::observe(model, &state, &mut scratch, observations)?;
-                    pilot.see(observations);
+                    policy.see(observations);
                 }
-                pilot.act(model, &state, actions);
+                policy.act(model, &state, actions);
             }
             None => actions.copy_from_slice(&inputs.actions),
         }
@@ -190,8 +190,8 @@ impl Mission {
     #[must_use]
     pub fn memory(&self) -> Vec<u64> {
         let mut words = Vec::new();
-        if let Some(pilot) = &self.pilot {
-            pilot.save_memory(&mut |word| words.push(word));
+        if let Some(policy) = &self.policy {
+            policy.save_memory(&mut |word| words.push(word));
         }
         words
     }
@@ -201,17 +201,17 @@ impl Mission {
     /// # Errors
     /// The call fails if the snapshot or the memory is not of this setup.
     pub fn restore(setup: &Setup, snapshot: &[u8], memory: &[u64]) -> Result<Self, Error> {
-        let mut mission = Self::new(setup)?;
-        let mut spare = vec![0; mission.words.len()];
-        mission
+        let mut episode = Self::new(setup)?;
+        let mut spare = vec![0; episode.words.len()];
+        episode
             .model
-            .load(snapshot, &mut mission.words, &mut spare)?;
-        if let Some(pilot) = &mut mission.pilot {
-            pilot
-                .load_memory(&mission.model, &mut MemoryReader::new(memory))
+            .load(snapshot, &mut episode.words, &mut spare)?;
+        if let Some(policy) = &mut episode.policy {
+            policy
+                .load_memory(&episode.model, &mut MemoryReader::new(memory))
                 .map_err(Error::Memory)?;
         }
-        Ok(mission)
+        Ok(episode)
     }
 }
 
@@ -233,7 +233,7 @@ fn resource(path: &std::path::Path) -> std::io::Result<Vec<u8>> {
 
 /// The source of actions: the importer, a trained policy or a plan among the unit's resources, or a
 /// baseline.
-fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, Error> {
+fn policy(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, Error> {
     if setup.policy.is_empty() {
         return Ok(None);
     }
@@ -288,22 +288,22 @@ mod tests {
         setup
     }
 
-    fn fly(mission: &mut Mission) -> u64 {
-        while !mission.over().unwrap() {
-            mission.step(&Inputs::default()).unwrap();
+    fn fly(episode: &mut Episode) -> u64 {
+        while !episode.over().unwrap() {
+            episode.step(&Inputs::default()).unwrap();
         }
-        mission.hash()
+        episode.hash()
     }
 
     /// A state that is saved and restored with its memory goes on alike.
     fn goes_on_alike(setup: &Setup) -> u64 {
-        let mut mission = Mission::new(setup).unwrap();
+        let mut episode = Episode::new(setup).unwrap();
         for _ in 0..4 {
-            mission.step(&Inputs::default()).unwrap();
+            episode.step(&Inputs::default()).unwrap();
         }
         let mut restored =
-            Mission::restore(setup, &mission.save().unwrap(), &mission.memory()).unwrap();
-        let hash = fly(&mut mission);
+            Episode::restore(setup, &episode.save().unwrap(), &episode.memory()).unwrap();
+        let hash = fly(&mut episode);
         assert_eq!(fly(&mut restored), hash);
         hash
     }
@@ -331,13 +331,13 @@ mod tests {
         let text = PlanFile::new(&model, &plan, None).to_json().unwrap();
         std::fs::write(folder.join("route.json"), text).unwrap();
         goes_on_alike(&setup);
-        let mut mission = Mission::new(&setup).unwrap();
+        let mut episode = Episode::new(&setup).unwrap();
         let (mut flown, mut stepped) = (Planned::following(plan), vec![0.0; model.action_len()]);
-        flown.act(&model, &mission.state().unwrap(), &mut stepped);
-        mission.step(&Inputs::default()).unwrap();
-        assert_eq!(mission.actions, stepped);
+        flown.act(&model, &episode.state().unwrap(), &mut stepped);
+        episode.step(&Inputs::default()).unwrap();
+        assert_eq!(episode.actions, stepped);
         setup.fields.insert("uav_count".to_owned(), 6.into());
-        let refused = Mission::new(&setup).map(|_| ()).unwrap_err().to_string();
+        let refused = Episode::new(&setup).map(|_| ()).unwrap_err().to_string();
         assert!(
             refused.contains("policy = route: made for the configuration"),
             "{refused}"

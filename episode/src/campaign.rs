@@ -2,7 +2,7 @@
 //!
 //! ```
 //! use jcas_core::{Config, Model};
-//! use jcas_episode::mission::{Campaign, fly};
+//! use jcas_episode::campaign::{Campaign, fly};
 //! use jcas_episode::statistics::Summary;
 //! use jcas_policy::{BaselineKind, PilotMode, Policy};
 //! use std::ops::ControlFlow;
@@ -12,9 +12,9 @@
 //!     Box::new(BaselineKind::Teams.build_privileged(PilotMode::Adaptive))
 //! };
 //! let campaign = Campaign { episodes: 20, seed: 1 };
-//! let missions = fly(&model, campaign, &make, &|| ControlFlow::Continue(()))?;
-//! let summary = Summary::of(&missions, model.config().horizon_steps);
-//! assert_eq!(missions.len(), 20);
+//! let episodes = fly(&model, campaign, &make, &|| ControlFlow::Continue(()))?;
+//! let summary = Summary::of(&episodes, model.config().horizon_steps);
+//! assert_eq!(episodes.len(), 20);
 //! assert!(summary.success_rate.low <= summary.success_rate.value);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -159,7 +159,7 @@ pub fn fly_part(
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        // A policy may plan for long before its first mission. Each thread therefore gets only a
+        // A policy may plan for long before its first episode. Each thread therefore gets only a
         // few parts, each with one policy.
         let parts = 4 * rayon::current_num_threads();
         let episodes: Vec<usize> = episodes.collect();

@@ -12,7 +12,7 @@ const PAPER: &[u8] = include_bytes!("../../../policies/paper/policy.safetensors"
 
 /// An episode and its expected end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mission {
+pub struct Episode {
     pub preset: Preset,
     pub uav_count: u32,
     pub hotspot_count: u32,
@@ -22,8 +22,8 @@ pub struct Mission {
     pub hash: u64,
 }
 
-const fn mission(sizes: (u32, u32), seed: u64, mode: Mode, steps: u32, hash: u64) -> Mission {
-    Mission {
+const fn episode(sizes: (u32, u32), seed: u64, mode: Mode, steps: u32, hash: u64) -> Episode {
+    Episode {
         preset: Preset::Mission,
         uav_count: sizes.0,
         hotspot_count: sizes.1,
@@ -35,31 +35,31 @@ const fn mission(sizes: (u32, u32), seed: u64, mode: Mode, steps: u32, hash: u64
 }
 
 /// All episodes.
-pub const MISSIONS: [Mission; 4] = [
-    mission((15, 7), 1, Mode::Deterministic, 55, 150_359_270_845_837_785),
-    mission((15, 7), 1, Mode::Sampled, 53, 14_214_026_197_780_337_069),
-    mission(
+pub const EPISODES: [Episode; 4] = [
+    episode((15, 7), 1, Mode::Deterministic, 55, 150_359_270_845_837_785),
+    episode((15, 7), 1, Mode::Sampled, 53, 14_214_026_197_780_337_069),
+    episode(
         (10, 3),
         2,
         Mode::Deterministic,
         21,
         13_099_932_164_702_744_476,
     ),
-    Mission {
+    Episode {
         preset: Preset::Paper,
-        ..mission((10, 11), 1, Mode::Sampled, 9, 7_391_731_238_831_725_945)
+        ..episode((10, 11), 1, Mode::Sampled, 9, 7_391_731_238_831_725_945)
     },
 ];
 
 /// Runs the episode with this matrix product, and returns it with the end that it reached.
-pub fn fly(mission: Mission, matmul: MatmulKernel) -> Mission {
+pub fn fly(episode: Episode, matmul: MatmulKernel) -> Episode {
     let model = Model::new(Config {
-        uav_count: mission.uav_count,
-        hotspot_count: mission.hotspot_count,
-        ..Config::preset(mission.preset)
+        uav_count: episode.uav_count,
+        hotspot_count: episode.hotspot_count,
+        ..Config::preset(episode.preset)
     })
     .expect("legal sizes");
-    let file = match mission.preset {
+    let file = match episode.preset {
         Preset::Paper => PAPER,
         _ => MISSION,
     };
@@ -68,11 +68,11 @@ pub fn fly(mission: Mission, matmul: MatmulKernel) -> Mission {
     let network = Network::load(file, &mut weights).expect("the shipped policy is whole");
     let network = network.with_matmul(matmul);
     let options = ActOptions {
-        mode: mission.mode,
+        mode: episode.mode,
         ..network.act_options(model.config())
     };
     let mut sim = Sim::new(&model);
-    sim.reset(mission.seed);
+    sim.reset(episode.seed);
     let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
     let mut scratch = vec![0.0; network.scratch_len(&model)];
     let mut actions = vec![0.0; model.action_len()];
@@ -96,10 +96,10 @@ pub fn fly(mission: Mission, matmul: MatmulKernel) -> Mission {
         }
         let outcome = sim.step(&actions).expect("finite actions");
         if outcome.terminated || outcome.truncated {
-            return Mission {
+            return Episode {
                 steps: sim.state().t(),
                 hash: hash.finish(),
-                ..mission
+                ..episode
             };
         }
     }

@@ -1,4 +1,4 @@
-//! A mission with the interventions of a person.
+//! An episode with the interventions of a person.
 
 use jcas_core::host::Call;
 use jcas_core::rng::derive_seed;
@@ -17,7 +17,7 @@ use crate::lines::Lines;
 pub const MOST_UAVS: u32 = 400;
 /// The largest grid that the page draws.
 pub const MOST_CELLS: u64 = 64 * 64;
-/// The longest mission, in steps times UAVs.
+/// The longest episode, in steps times UAVs.
 const MOST_AGENT_STEPS: u64 = 200_000;
 
 /// The largest fleet times grid that the page plans for.
@@ -39,10 +39,10 @@ pub const SHIPPED: [(&str, &[u8]); 2] = [
     ),
 ];
 
-/// A mission to run.
+/// An episode to run.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Mission {
+pub struct Episode {
     /// A configuration as `jcas` reads it: fields over a preset.
     #[serde(default)]
     config: Map<String, Value>,
@@ -56,7 +56,7 @@ pub struct Mission {
     /// Cells of the hotspots that the person has moved, in place of the drawn cells.
     #[serde(default)]
     moved: Vec<(usize, Cell)>,
-    /// Interventions during the mission, in any order.
+    /// Interventions during the episode, in any order.
     #[serde(default)]
     interventions: Vec<Intervention>,
 }
@@ -86,12 +86,12 @@ impl Flyer {
     }
 }
 
-/// A recorder that writes the mission into a text.
+/// A recorder that writes the episode into a text.
 type Recorder<'m, 't> = EpisodeRecorder<'m, &'t mut Vec<u8>>;
 
-impl Mission {
-    /// Runs the mission. Returns the episode in the replay page's form, the detection probability
-    /// over distance, the planned trajectories, and the hash of the last state.
+impl Episode {
+    /// Runs the episode. Returns it in the replay page's form, with the detection probability over
+    /// distance, the planned trajectories and the hash of the last state.
     ///
     /// # Errors
     /// A message names the field, the value and the allowed values.
@@ -256,7 +256,7 @@ fn planned(kind: PlannedKind, model: &Model<'_>) -> Result<Planned, Refusal<'sta
     Ok(kind.build_in(model, SEARCH_ITERATIONS)?)
 }
 
-/// Refuses a mission that would take minutes, since a person waits for the page.
+/// Refuses an episode that would take minutes, since a person waits for the page.
 fn check_size(config: &Config) -> Result<(), Refusal<'static>> {
     let agent_steps = u64::from(config.uav_count) * u64::from(config.horizon_steps);
     for (field, value, most) in [
@@ -317,7 +317,7 @@ mod tests {
         serde_json::from_str(&crate::answer(&question.to_string())).unwrap()
     }
 
-    fn mission(interventions: Value) -> Value {
+    fn episode(interventions: Value) -> Value {
         json!({
             "ask": "fly", "policy": "teams", "pilot": "max", "seed": 7,
             "interventions": interventions,
@@ -348,7 +348,7 @@ mod tests {
             policy.act(&model, &sim.state(), &mut actions);
             sim.step(&actions).unwrap();
         }
-        let flown = fly(&mission(json!([])));
+        let flown = fly(&episode(json!([])));
         assert_eq!(last_hash(&flown), Hex(sim.state_hash()).to_string());
     }
 
@@ -395,25 +395,25 @@ mod tests {
                 assert_eq!(cell.as_u64(), Some(index), "UAV {uav}, step {}", t + 1);
             }
         }
-        let script = fly(&mission(json!([])));
+        let script = fly(&episode(json!([])));
         assert_eq!(script["plans"], json!([[], [], [], [], [], []]));
     }
 
     #[test]
     fn a_steered_uav_goes_where_it_is_sent_and_the_rest_of_the_mission_differs() {
-        let steered = fly(&mission(
+        let steered = fly(&episode(
             json!([{ "do": "steer", "t": 1, "uav": 3, "motion": 0 }]),
         ));
         let start = &steered["episode"]["header"]["initial"]["positions"][3];
         let after = &steered["episode"]["steps"][0]["positions"][3];
         assert_eq!(after[0], start[0]);
         assert_eq!(after[1].as_u64(), start[1].as_u64().map(|y| y + 1));
-        assert_ne!(last_hash(&steered), last_hash(&fly(&mission(json!([])))));
+        assert_ne!(last_hash(&steered), last_hash(&fly(&episode(json!([])))));
     }
 
     #[test]
     fn a_grounded_uav_stays_and_a_moved_hotspot_lies_elsewhere() {
-        let mut question = mission(json!([{ "do": "ground", "t": 2, "uav": 0 }]));
+        let mut question = episode(json!([{ "do": "ground", "t": 2, "uav": 0 }]));
         question["moved"] = json!([[1, [0, 0]]]);
         let flown = fly(&question);
         assert_eq!(flown["episode"]["header"]["hotspots"][1], json!([0, 0]));
@@ -426,7 +426,7 @@ mod tests {
     fn what_cannot_be_flown_is_said() {
         let refused = |question: Value| fly(&question)["error"].as_str().unwrap().to_owned();
         let with = |key: &str, value: Value| {
-            let mut question = mission(json!([]));
+            let mut question = episode(json!([]));
             question[key] = value;
             refused(question)
         };
@@ -434,7 +434,7 @@ mod tests {
         assert!(with("config", json!({ "uav_count": 401 })).contains("uav_count = 401"));
         assert!(with("config", json!({ "quorum": -1 })).contains("quorum"));
         assert!(with("config", json!({ "target_visibility": "hidden" })).contains("teams"));
-        let given = |intervention: Value| refused(mission(json!([intervention])));
+        let given = |intervention: Value| refused(episode(json!([intervention])));
         assert!(given(json!({ "do": "steer", "t": 1, "uav": 6, "motion": 0 })).contains("uav = 6"));
         assert!(
             given(json!({ "do": "steer", "t": 1, "uav": 0, "motion": 5 })).contains("motion = 5")
