@@ -74,6 +74,11 @@ impl ConfigSource {
             .collect()
     }
 
+    /// Hash of the configuration, as tables and reports state it.
+    pub fn hash(&self) -> String {
+        format!("0x{:016x}", self.config.hash())
+    }
+
     /// The preset with the fewest other values, and the fields that differ from it.
     pub fn nearest_preset(&self) -> String {
         let presets = Preset::ALL.iter().map(|preset| {

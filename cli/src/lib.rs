@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod answering;
+mod command_line;
 mod commands;
 pub mod config_source;
 pub mod error;

@@ -467,6 +467,39 @@ fn every_preset_flies_its_default_policy() {
 }
 
 #[test]
+fn every_report_names_preset_hash_and_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = ["--preset=search", "--set=horizon_steps=9", "--uavs=3"];
+    for (command, more) in [
+        ("simulate", "--episodes=2"),
+        ("plan", "--iterations=10"),
+        ("sweep", "--episodes=1"),
+    ] {
+        let arguments = [&[command, more], small.as_slice()].concat();
+        let line = format!("jcas {}", arguments.join(" "));
+        let report = json(&succeed(
+            folder.path(),
+            &[&arguments[..], &["--json"]].concat(),
+        ));
+        let preset = report["preset"].as_str().unwrap();
+        assert!(preset.starts_with("preset search with "), "{preset}");
+        let hash = report["config_hash"].as_str().unwrap();
+        let told = succeed(folder.path(), &arguments);
+        assert!(
+            told.contains(&format!("Configuration {hash}: {preset}")),
+            "{told}"
+        );
+        assert!(told.contains(&format!("\nCommand: {line}\n")), "{told}");
+    }
+    let arguments = ["evaluate", "teams", "--episodes=1", "--set=quorum=2"];
+    let told = succeed(folder.path(), &arguments);
+    assert!(
+        told.contains("\nCommand: jcas evaluate teams --episodes=1 --set=quorum=2\n"),
+        "{told}"
+    );
+}
+
+#[test]
 fn a_quorum_above_the_fleet_gets_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let output = jcas(

@@ -168,6 +168,7 @@ def test_the_page_is_that_of_the_command(tmp_path):
             for page in (out.read_text(encoding="utf-8"), jcas.Trace.load(file).to_html())
         )
         assert theirs["header"] == own["header"] and theirs["end"] == own["end"]
+        assert theirs.get("hosted") == own.get("hosted")
         for step, mine in zip(theirs["steps"], own["steps"], strict=True):
             assert step == {name: mine[name] for name in step}
 

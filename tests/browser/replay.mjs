@@ -53,6 +53,7 @@ const SHOWN = `(() => {
     helpOpen: document.querySelector('#help').open,
     hash: location.hash,
     title: document.title,
+    footer: text('#footer'),
     selected: all('.uav.selected').map((node) => Number(node.dataset.uav)),
   };
 })()`;
@@ -184,8 +185,9 @@ async function keepPictures(browser) {
 const browser = await openBrowser();
 try {
   const page = await browser.openPage(url);
-  const { title } = await page.evaluate(SHOWN);
+  const { title, footer } = await page.evaluate(SHOWN);
   assert.ok(title.includes(header.policy) && title.includes(header.seed), `title ${title}`);
+  assert.match(footer, new RegExp(`Preset [a-z]+.* configuration ${header.config_hash}`));
   const opened = await page.evaluate(SHOWN);
   assert.ok(last === 0 || opened.playing || opened.step > 0, 'the page plays by itself');
   await everyStepAgrees(page);

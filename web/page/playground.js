@@ -209,15 +209,16 @@ async function fly(time = player.time) {
 
 function show({ episode: data, radar, plans: planned }, time) {
   const { uav, hotspot } = player.selection;
-  const { config, core_version: version, config_hash: hash, policy } = data.header;
+  const { config, core_version: version, policy } = data.header;
   if (uav >= config.uav_count || hotspot >= config.hotspot_count) player.selection = {};
+  // No command repeats what a person does.
+  data.hosted ||= mission.moved.length + mission.interventions.length > 0;
   open(data);
+  writeFooter(`jcas ${version}.`, 'The address holds the whole mission.');
   plans = planned;
   planLines = element($('stage'), 'path', { class: 'planned' });
   $('stage').querySelector('.tails').after(planLines);
   document.querySelector('.legend .of-plans').hidden = !plans.some((lines) => lines.length);
-  $('footer').textContent = `jcas ${version}; configuration ${hash}. `
-    + 'The address holds the whole mission. Press ? for the keys.';
   const sizes = `N = ${config.uav_count}, n = ${config.hotspot_count}`;
   document.title = `${policy}, ${sizes}: jcas playground`;
   drawRadar(radar, config);

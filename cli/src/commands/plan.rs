@@ -9,6 +9,8 @@ use jcas_core::{Cell, Config, Model, Sim, TargetVisibility};
 use jcas_plan::{Plan as Flights, PlanFile, Planned, Progress, Settings, search, tour};
 
 use super::replay::fly_page;
+use crate::command_line::command_line;
+use crate::config_source::ConfigSource;
 use crate::error::{CliError, Outcome};
 use crate::export::{GeoPosition, geojson, mission_of, picture};
 use crate::idle::Idle;
@@ -223,6 +225,7 @@ impl Plan {
              success               {:8.4}\n\
              before the annealing  {:8.2} steps\n\
              no fixed plan below   {:8.2} steps\n\n\
+             Configuration {}: {}.\nCommand: {}\n\n\
              written:\n",
             file.uavs.len(),
             file.config.hotspot_count,
@@ -233,6 +236,9 @@ impl Plan {
             file.success,
             file.start_steps,
             file.bound_steps,
+            file.config_hash,
+            ConfigSource::of(&file.config).nearest_preset(),
+            command_line(),
         );
         let optional = [
             &self.picture,
@@ -263,6 +269,7 @@ fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), CliError> {
 /// The output of `--json`: the plan without its trajectories.
 #[derive(serde::Serialize)]
 struct Report<'a> {
+    preset: String,
     config_hash: &'a str,
     seed: u64,
     iterations: u64,
@@ -277,6 +284,7 @@ struct Report<'a> {
 impl<'a> Report<'a> {
     fn of(file: &'a PlanFile) -> Self {
         Self {
+            preset: ConfigSource::of(&file.config).nearest_preset(),
             config_hash: &file.config_hash,
             seed: file.seed,
             iterations: file.iterations,

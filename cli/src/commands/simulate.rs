@@ -9,6 +9,7 @@ use jcas_episode::shard::Shard;
 use jcas_episode::statistics::{Estimate, FALSE_CONFIRMATIONS, Summary};
 use serde::Serialize;
 
+use crate::command_line::command_line;
 use crate::config_source::ConfigSource;
 use crate::error::{CliError, Outcome};
 use crate::idle::Idle;
@@ -63,6 +64,8 @@ pub struct Report<'a> {
     pub hotspots: u32,
     /// Seed of the campaign.
     pub seed: u64,
+    /// The nearest preset and what differs from it.
+    pub preset: String,
     /// Hash of the configuration.
     pub config_hash: String,
     /// Statistics of the campaign.
@@ -70,9 +73,6 @@ pub struct Report<'a> {
     pub summary: Summary,
     #[serde(skip)]
     horizon_steps: u32,
-    /// The nearest preset and what differs from it.
-    #[serde(skip)]
-    preset: String,
 }
 
 impl Simulate {
@@ -147,10 +147,10 @@ impl<'a> Report<'a> {
             uavs: config.uav_count,
             hotspots: config.hotspot_count,
             seed,
+            preset: ConfigSource::of(config).nearest_preset(),
             config_hash: format!("0x{:016x}", config.hash()),
             summary,
             horizon_steps: config.horizon_steps,
-            preset: ConfigSource::of(config).nearest_preset(),
         }
     }
 
@@ -181,8 +181,11 @@ impl<'a> Report<'a> {
         }
         text += &format!(
             "\nIn brackets 95 % intervals. An episode without success counts as {} steps.\n\
-             Configuration {}: {}.\n",
-            self.horizon_steps, self.config_hash, self.preset
+             Configuration {}: {}.\nCommand: {}\n",
+            self.horizon_steps,
+            self.config_hash,
+            self.preset,
+            command_line()
         );
         text
     }

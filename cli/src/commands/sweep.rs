@@ -13,6 +13,7 @@ use jcas_policy::BaselineKind;
 use serde::Serialize;
 
 use super::replay::fly_page;
+use crate::command_line::command_line;
 use crate::config_source::ConfigSource;
 use crate::error::{CliError, Outcome};
 use crate::options::{ConfigOptions, DEFAULT_PILOT, ThreadOptions, policy_factory};
@@ -149,16 +150,20 @@ impl Sweep {
             written.push(page);
         }
         if self.json {
-            files::print_json(&report(&axes, &cells, &store, &written))?;
+            files::print_json(&report(&base, &axes, &cells, &store, &written))?;
         } else {
             let list: Vec<String> = written
                 .iter()
                 .map(|path| format!("  {}\n", path.display()))
                 .collect();
             files::print(&format!(
-                "{}\n{} episodes a cell; {INTERVALS}\n\nwritten:\n{}",
+                "{}\n{} episodes a cell; {INTERVALS}\nConfiguration {}: {}, with the lists \
+                 above; each cell's hash is in the table.\nCommand: {}\n\nwritten:\n{}",
                 text_table(&axes, &cells, &store),
                 self.episodes,
+                base.hash(),
+                base.nearest_preset(),
+                command_line(),
                 list.concat()
             ))?;
         }
@@ -300,11 +305,20 @@ pub(super) fn shown(quantity: &str, estimate: Estimate, digits: usize) -> String
 /// The output of `--json`.
 #[derive(Serialize)]
 struct Report {
+    /// The preset next to the configuration before the lists, and what differs from it.
+    preset: String,
+    config_hash: String,
     cells: Vec<serde_json::Map<String, serde_json::Value>>,
     written: Vec<PathBuf>,
 }
 
-fn report(axes: &[Axis], cells: &[SweepCell], store: &Store, written: &[PathBuf]) -> Report {
+fn report(
+    base: &ConfigSource,
+    axes: &[Axis],
+    cells: &[SweepCell],
+    store: &Store,
+    written: &[PathBuf],
+) -> Report {
     let cells = cells
         .iter()
         .enumerate()
@@ -324,6 +338,8 @@ fn report(axes: &[Axis], cells: &[SweepCell], store: &Store, written: &[PathBuf]
         })
         .collect();
     Report {
+        preset: base.nearest_preset(),
+        config_hash: base.hash(),
         cells,
         written: written.to_vec(),
     }

@@ -3,7 +3,7 @@
 const MICROJOULES_PER_KWH = 3.6e12;
 const NANOGRAMS_PER_GRAM = 1e9;
 
-function readEpisode({ header, steps, end, footprint_cells: footprint }) {
+function readEpisode({ header, steps, end, hosted = false, footprint_cells: footprint }) {
   const { config, initial } = header;
   const capacity_uj = config.battery_capacity_kwh * MICROJOULES_PER_KWH;
   const nobody = initial.positions.map(() => []);
@@ -38,7 +38,7 @@ function readEpisode({ header, steps, end, footprint_cells: footprint }) {
   }));
 
   const episode = {
-    header, end, config, frames, footprint,
+    header, end, config, frames, footprint, hosted,
     uavCount: initial.positions.length,
     hotspotCount: header.hotspots.length,
     lastStep: frames.length - 1,

@@ -15,6 +15,9 @@ pub(super) struct Episode<'a> {
     header: Cow<'a, Header>,
     steps: Vec<Frame<'a>>,
     end: &'a End,
+    /// Whether a host simulator changed the state, so that no command flies the episode.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    hosted: bool,
     /// The radius of the cells in which a UAV may raise a false alarm, in cells.
     #[serde(skip_serializing_if = "Option::is_none")]
     footprint_cells: Option<f64>,
@@ -66,6 +69,7 @@ impl<'a> Episode<'a> {
         }
         let footprint_cells = footprint_cells(&started.config);
         Ok(Self {
+            hosted: trace.steps.iter().any(|step| !step.host.is_empty()) || !end.host.is_empty(),
             footprint_cells,
             header: started,
             steps,

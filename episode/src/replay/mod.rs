@@ -6,6 +6,9 @@
 mod episode;
 
 use episode::Episode;
+use jcas_core::{Config, Preset};
+use jcas_policy::BaselineKind;
+use serde_json::{Map, Value, json};
 
 use crate::trace::{self, Trace, TraceError};
 
@@ -86,6 +89,7 @@ pub fn assemble(parts: &Parts<'_>) -> String {
             ("{{title}}", &escape_html(parts.title)),
             ("{{style}}", style.trim_end()),
             ("{{controls}}", parts.controls),
+            ("{{presets}}", &presets()),
             ("{{data}}", &escape_script_data(parts.data)),
             ("{{script}}", script.trim_end()),
         ],
@@ -98,6 +102,25 @@ pub fn assemble(parts: &Parts<'_>) -> String {
 /// The errors are those of [`page_of`].
 pub fn data_of(trace: &Trace) -> Result<String, TraceError> {
     Ok(Episode::of(trace)?.to_json())
+}
+
+/// The presets and the names of baselines, by which a page states the command for its episode.
+/// The first preset has all of its fields, the others have those that differ from it.
+fn presets() -> String {
+    let first = json!(Config::preset(Preset::ALL[0]));
+    let presets: Map<String, Value> = Preset::ALL
+        .iter()
+        .map(|preset| {
+            let mut fields = json!(Config::preset(*preset));
+            if let (Some(fields), true) = (fields.as_object_mut(), *preset != Preset::ALL[0]) {
+                fields.retain(|name, value| first[name.as_str()] != *value);
+            }
+            (preset.name().to_owned(), fields)
+        })
+        .collect();
+    let baselines = BaselineKind::ALL.map(BaselineKind::name);
+    json!({ "first": Preset::ALL[0].name(), "presets": presets, "baselines": baselines })
+        .to_string()
 }
 
 /// Replaces each mark by its value. The marks have this order in the template. One pass over the

@@ -2,6 +2,8 @@
 
 const STEPS_PER_SECOND = 2.5;
 const $ = (id) => document.getElementById(id);
+/** The presets, and the policies that fly the same in every program. */
+const KNOWN = JSON.parse($('presets').textContent);
 
 let episode = null;
 let parts = {};
@@ -79,9 +81,47 @@ function writeHeader() {
   $('pilot-low').textContent = config.pilot_density_min.toFixed(2);
   $('pilot-high').textContent = config.pilot_density_max.toFixed(2);
   writeLegend();
-  $('footer').textContent =
-    `Recorded by jcas ${header.core_version}; configuration ${header.config_hash}. ` +
-    'The page is one file and loads nothing. Press ? for the keys.';
+  const recorded = `Recorded by jcas ${header.core_version}.`;
+  writeFooter(recorded, 'The page is one file and loads nothing.');
+}
+
+/** Says which configuration was flown, and by which command, where one has these settings. */
+function writeFooter(before, after) {
+  const { header, hosted, config } = episode;
+  const { preset, changed } = nearestPreset(config);
+  const words = changed.map(([name, value]) => `${name} = ${JSON.stringify(value)}`).join(', ');
+  const named = `Preset ${preset}${words && ` with ${words}`}`;
+  const flown = `${named}, configuration ${header.config_hash}.`;
+  $('footer').textContent = `${before} ${flown} ${after} Press ? for the keys.`;
+  if (hosted || !KNOWN.baselines.includes(header.policy)) return;
+  const settings = changed.map(([name, value]) => [
+    '--set', quoted(`${name}=${typeof value === 'string' ? value : JSON.stringify(value)}`),
+  ]);
+  const command = [
+    'jcas', 'replay', '--preset', preset, ...settings.flat(), '--policy', header.policy,
+    '--pilot', quoted(header.pilot), '--episode-seed', shortSeed(header.seed),
+  ];
+  const code = document.createElement('code');
+  code.textContent = command.join(' ');
+  const line = document.createElement('p');
+  line.append('Command for these settings: ', code);
+  $('footer').append(line);
+}
+
+/** The preset with the fewest other values, and the fields that differ from it. */
+function nearestPreset(config) {
+  const { first, presets } = KNOWN;
+  const ranked = Object.entries(presets).map(([preset, fields]) => {
+    const whole = { ...presets[first], ...fields };
+    const differs = ([name, value]) => JSON.stringify(value) !== JSON.stringify(whole[name]);
+    return { preset, changed: Object.entries(config).filter(differs) };
+  });
+  return ranked.reduce((best, one) => (one.changed.length < best.changed.length ? one : best));
+}
+
+/** A word as a shell takes it. */
+function quoted(word) {
+  return /^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
 }
 
 /** The legend has what this episode draws. */

@@ -288,4 +288,5 @@ def _page_data(trace: Trace) -> dict[str, Any]:
         ]
         if moved:
             step["moved_hotspots"] = moved
-    return {"header": header, "steps": steps, "end": trace.end}
+    hosted = {"hosted": True} if any(trace.host) else {}
+    return {"header": header, "steps": steps, "end": trace.end, **hosted}
