@@ -275,8 +275,8 @@
 /// No motion.
 #define JCAS_MOVE_STAY 0.8f
 
-/// Actions are the most likely motion and the mean pilot density. UAVs that choose in turn stay on
-/// a depot to charge, and draw where they would turn round without news.
+/// Actions are the most likely motion and the mean pilot density. UAVs that choose sequentially
+/// stay on a depot to charge. They sample where they would turn back without a new confirmation.
 #define JCAS_POLICY_DETERMINISTIC 0
 
 /// Actions are drawn from the network's distribution; the draws follow from the seed of the

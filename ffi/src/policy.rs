@@ -29,8 +29,8 @@ use crate::status::{
 /// use it; a model may have several policies.
 pub struct jcas_policy(());
 
-/// Actions are the most likely motion and the mean pilot density. UAVs that choose in turn stay on
-/// a depot to charge, and draw where they would turn round without news.
+/// Actions are the most likely motion and the mean pilot density. UAVs that choose sequentially
+/// stay on a depot to charge. They sample where they would turn back without a new confirmation.
 pub const JCAS_POLICY_DETERMINISTIC: i32 = 0;
 /// Actions are drawn from the network's distribution; the draws follow from the seed of the
 /// episode, the step and the UAV.

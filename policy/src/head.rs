@@ -33,8 +33,8 @@ pub enum Head {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Mode {
-    /// The most likely motion and the mean pilot density. UAVs that choose in turn stay on a depot
-    /// to charge, and draw where they would turn round without news.
+    /// The most likely motion and the mean pilot density. UAVs that choose sequentially stay on a
+    /// depot to charge. They sample where they would turn back without a new confirmation.
     Deterministic,
     /// A draw that is a function of the seed of the episode.
     Sampled,

@@ -2,7 +2,7 @@
 //!
 //! A [`Network`] is laid out from the bytes of a safetensors file. Its weights take a slice of
 //! [`Network::weights_len`] numbers. A call takes working memory of [`Network::scratch_len`]
-//! numbers. There are two families, told apart by the names of their arrays:
+//! numbers. Two families differ by the names of their arrays:
 //!
 //! - An MLP has `0.weight` (inputs × outputs), `0.bias`, `1.weight`, and so on. If its inputs are
 //!   normalised, it also has `inputs.offset` and `inputs.scale`.
@@ -326,7 +326,7 @@ impl Network {
     ///
     /// With [`PolicyMetadata::choices`] the UAVs choose in the order of their indices. In the
     /// deterministic mode those on a depot stay to charge ([`stays_to_charge`]). Those whose most
-    /// likely motion is the way back, without news, draw their motions.
+    /// likely motion is the way back, without a new confirmation, sample their motions.
     ///
     /// # Errors
     /// [`FlyError`] if the model or the length of a buffer does not fit, or if an output is not

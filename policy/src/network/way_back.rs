@@ -31,7 +31,7 @@ mod tests {
     // Ten UAVs fly up from the depot to a hotspot, and one far away flies up as well. Unless the
     // ten confirm it at once, they stay over it and then fly to the right.
     #[test]
-    fn a_uav_may_turn_round_after_rest_and_after_news_that_it_knows() {
+    fn a_uav_may_turn_back_after_rest_and_after_a_confirmation_that_it_knows() {
         let model = Model::new(Config {
             uav_count: 11,
             hotspot_count: 1,
