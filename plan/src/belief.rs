@@ -309,8 +309,8 @@ mod tests {
         .unwrap()
     }
 
-    /// What two UAVs flew in two steps, the first of them at the highest density.
-    fn flown(odds: &Odds) -> [[Observation; 2]; 2] {
+    /// The observations of two UAVs in two steps, the first UAV at the highest density.
+    fn observed(odds: &Odds) -> [[Observation; 2]; 2] {
         let observation = |cell, level| Observation { cell, level };
         let high = odds.highest();
         [
@@ -322,8 +322,8 @@ mod tests {
         ]
     }
 
-    fn received<'l>(flown: &'l [[Observation; 2]; 2]) -> Vec<Observations<'l>> {
-        let observations = flown.iter().map(|received| Observations {
+    fn received<'l>(observed: &'l [[Observation; 2]; 2]) -> Vec<Observations<'l>> {
+        let observations = observed.iter().map(|received| Observations {
             received,
             assumed: &[],
         });
@@ -357,10 +357,10 @@ mod tests {
         for quorum in [2, 3] {
             let model = model(quorum);
             let odds = Odds::new(&model, Vec::new());
-            let flown = flown(&odds);
+            let observed = observed(&odds);
             for cell in (0..4).map(|index| odds.cell(index)) {
                 let seen = levels(
-                    flown.map(|observations| {
+                    observed.map(|observations| {
                         observations.map(|observation| {
                             odds.detection(observation.level, observation.cell, cell)
                         })
@@ -368,7 +368,7 @@ mod tests {
                     quorum,
                 );
                 let raised = levels(
-                    flown.map(|observations| {
+                    observed.map(|observations| {
                         observations.map(|observation| {
                             if observation.cell.manhattan(cell) < 2 {
                                 0.1
@@ -380,7 +380,7 @@ mod tests {
                     3,
                 );
                 let got: Vec<Likelihood> = (0..3)
-                    .map(|level| likelihood(&model, &odds, cell, level, &received(&flown)))
+                    .map(|level| likelihood(&model, &odds, cell, level, &received(&observed)))
                     .collect();
                 let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b} {got:?}");
                 for level in 0..3 {
@@ -450,9 +450,9 @@ mod tests {
     fn a_report_that_did_not_confirm_alone_is_false() {
         let model = model(1);
         let odds = Odds::new(&model, Vec::new());
-        let flown = flown(&odds);
+        let observed = observed(&odds);
         assert_eq!(
-            likelihood(&model, &odds, THERE, 1, &received(&flown)).hotspot,
+            likelihood(&model, &odds, THERE, 1, &received(&observed)).hotspot,
             0.0
         );
     }
@@ -462,20 +462,20 @@ mod tests {
     fn assumed_observations_count_back_from_now() {
         let model = model(2);
         let odds = Odds::new(&model, Vec::new());
-        let flown = flown(&odds);
+        let observed = observed(&odds);
         let observations = [
             Observations {
-                received: &flown[0][..1],
-                assumed: &flown[0][1..],
+                received: &observed[0][..1],
+                assumed: &observed[0][1..],
             },
             Observations {
                 received: &[],
-                assumed: &flown[1],
+                assumed: &observed[1],
             },
         ];
         let p =
             |observation: Observation| odds.detection(observation.level, observation.cell, HERE);
-        let expected = 1.0 - p(flown[0][1]) * p(flown[1][1]);
+        let expected = 1.0 - p(observed[0][1]) * p(observed[1][1]);
         let got = missed_since(&model, &odds, HERE, &observations);
         assert!((got - expected).abs() < 1e-12, "{got} {expected}");
     }

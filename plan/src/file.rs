@@ -86,7 +86,7 @@ pub enum PlanFileError {
         /// Hash of the configuration that it was made for.
         planned: String,
         /// Hash of the configuration in use.
-        flown: String,
+        given: String,
     },
 }
 
@@ -104,9 +104,9 @@ impl fmt::Display for PlanFileError {
                 out,
                 "no plan: {field} = {value}: must be from {low} to {high}"
             ),
-            Self::Configuration { planned, flown } => {
+            Self::Configuration { planned, given } => {
                 let planned = Printable(planned);
-                write!(out, "made for the configuration {planned}, not for {flown}")
+                write!(out, "made for the configuration {planned}, not for {given}")
             }
         }
     }
@@ -173,11 +173,11 @@ impl PlanFile {
     /// [`PlanFileError::Configuration`] for another model than that of the plan;
     /// [`PlanFileError::Content`] where the trajectories do not fit the fleet of the model.
     pub fn plan(&self, model: &Model<'_>) -> Result<Plan, PlanFileError> {
-        let flown = hash_text(model.config_hash());
-        if self.config_hash != flown {
+        let given = hash_text(model.config_hash());
+        if self.config_hash != given {
             return Err(PlanFileError::Configuration {
                 planned: self.config_hash.clone(),
-                flown,
+                given,
             });
         }
         let steps = self.steps(model)?;

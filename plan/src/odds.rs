@@ -136,7 +136,7 @@ impl Odds {
         self.detection[usize::from(level)][self.offset(uav, hotspot)]
     }
 
-    /// Returns whether two UAVs hear each other. The UAV with more pilots has the weaker link.
+    /// Returns whether two UAVs have a radio link. The UAV with more pilots has the weaker link.
     #[must_use]
     pub fn linked(&self, (a, level_a): (Cell, u8), (b, level_b): (Cell, u8)) -> bool {
         self.linked[usize::from(level_a.max(level_b))][self.offset(a, b)]

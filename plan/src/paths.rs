@@ -74,16 +74,16 @@ impl Paths {
 
     /// Returns the remainder after some steps, as trajectories of another number of steps.
     #[must_use]
-    pub fn after(&self, flown: usize, steps: usize) -> Self {
+    pub fn after(&self, done: usize, steps: usize) -> Self {
         let slots = || (0..self.uavs).flat_map(|uav| (0..=steps).map(move |step| (uav, step)));
         Self {
             uavs: self.uavs,
             steps,
             cells: slots()
-                .map(|(uav, step)| self.cell(uav, flown + step))
+                .map(|(uav, step)| self.cell(uav, done + step))
                 .collect(),
             levels: slots()
-                .map(|(uav, step)| self.level(uav, flown + step))
+                .map(|(uav, step)| self.level(uav, done + step))
                 .collect(),
         }
     }

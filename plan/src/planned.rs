@@ -386,7 +386,7 @@ mod tests {
         }
     }
 
-    /// Each word of a memory that was changed is refused, or gives a plan that can be flown.
+    /// Each word of a memory that was changed is refused, or gives a plan that can be executed.
     #[test]
     fn no_words_make_a_planner_panic() {
         let model = Model::new(Config {

@@ -139,7 +139,7 @@ impl<'p, 'm> Teams<'p, 'm> {
         f64::INFINITY
     }
 
-    /// Returns the trajectories of routes, which are flown again and again.
+    /// Returns the trajectories of routes, which are repeated.
     fn recorded(&self, routes: &Routes, enough: f64, level: u8) -> Paths {
         let mut recorder = Recorder::new(self.problem, level);
         let mut flight = Flight::new(self, enough);

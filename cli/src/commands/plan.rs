@@ -191,9 +191,9 @@ impl Plan {
             files::write_bytes(path, picture(file).as_bytes())?;
         }
         if let Some(path) = &self.page {
-            let flown = plan.clone();
+            let plan = plan.clone();
             let factory: PolicyFactory =
-                Box::new(move || Box::new(Planned::following(flown.clone())));
+                Box::new(move || Box::new(Planned::following(plan.clone())));
             fly_page(path, model, &factory, self.episode.seed())?;
         }
         let Some((latitude, longitude)) = self.depot else {

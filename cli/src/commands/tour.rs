@@ -96,7 +96,7 @@ pub struct Tour {
 }
 
 /// The results of a grid.
-struct Flown {
+struct GridResults {
     axes: Vec<Axis>,
     cells: Vec<SweepCell>,
     store: Store,
@@ -118,11 +118,11 @@ impl Tour {
         );
         report.link(&page_of(&GRIDS[1]), "Watch a search for hidden hotspots");
         for grid in &GRIDS {
-            let flown = self.fly(grid)?;
-            self.describe(grid, &flown, &mut report)?;
+            let results = self.fly(grid)?;
+            self.describe(grid, &results, &mut report)?;
         }
         report.section("Same bits everywhere").text(&format!(
-            "This build has flown {traces} recorded episodes again (`tests/golden`). Every number \
+            "This build has run {traces} recorded episodes again (`tests/golden`). Every number \
              of every step is equal to the recorded one, bit for bit."
         ));
         let path = self.out.join("report.html");
@@ -164,7 +164,7 @@ impl Tour {
         Ok(traces)
     }
 
-    fn fly(&self, grid: &Grid) -> Result<Flown, CliError> {
+    fn fly(&self, grid: &Grid) -> Result<GridResults, CliError> {
         let trained = grid.trained.map(|name| {
             let folder = self.repository.join("policies").join(name);
             let shown = folder.strip_prefix(".").unwrap_or(&folder).display();
@@ -183,7 +183,7 @@ impl Tour {
         let frame = Frame::new(&axes, &cells, SEED, self.episodes)?;
         let mut store = Store::open(&table, frame, true)?;
         sweep::fly(&cells, &mut store, self.campaign(), &self.threads)?;
-        Ok(Flown { axes, cells, store })
+        Ok(GridResults { axes, cells, store })
     }
 
     fn campaign(&self) -> Campaign {
@@ -194,8 +194,13 @@ impl Tour {
     }
 
     /// Writes figures and a replay page of a grid, and adds its section to the report.
-    fn describe(&self, grid: &Grid, flown: &Flown, report: &mut Report) -> Result<(), CliError> {
-        let Flown { axes, cells, store } = flown;
+    fn describe(
+        &self,
+        grid: &Grid,
+        results: &GridResults,
+        report: &mut Report,
+    ) -> Result<(), CliError> {
+        let GridResults { axes, cells, store } = results;
         let page = page_of(grid);
         self.replay(cells, &self.out.join(&page))?;
         let folder = self.out.join(grid.name);

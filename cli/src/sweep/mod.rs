@@ -26,7 +26,7 @@ pub fn fly(
     let bar = progress::bar(cells.len() as u64 * campaign.episodes, "episodes");
     bar.inc(store.len() as u64 * campaign.episodes);
     bar.reset_eta();
-    let flown = threads.run_episodes(campaign.episodes, || {
+    let ran = threads.run_episodes(campaign.episodes, || {
         for (index, cell) in cells.iter().enumerate() {
             if store.has(index) {
                 continue;
@@ -38,7 +38,7 @@ pub fn fly(
     })?;
     bar.finish_and_clear();
     store.write()?;
-    match flown {
+    match ran {
         Err(CliError::Interrupted(_)) => Err(CliError::Interrupted(format!(
             "interrupted: {} of {} cells are in {}; the same command goes on from there",
             store.len(),

@@ -24,7 +24,7 @@ fn flight() -> String {
     String::from_utf8(text).unwrap()
 }
 
-fn flown() -> Trace {
+fn recorded() -> Trace {
     trace::read(flight().as_bytes()).unwrap()
 }
 
@@ -58,7 +58,7 @@ fn the_page_holds_the_whole_episode() {
 
 #[test]
 fn the_title_tells_the_episode() {
-    let mut trace = flown();
+    let mut trace = recorded();
     for (terminated, result) in [(true, "complete"), (false, "not complete")] {
         (trace.end.terminated, trace.end.truncated) = (terminated, !terminated);
         let link = if terminated { "in" } else { "after" };
@@ -84,7 +84,7 @@ fn the_page_names_no_other_resource() {
 #[test]
 fn text_of_the_trace_cannot_leave_its_place() {
     let hostile = "</script><script>alert(1)</script><!-- {{script}} &";
-    let mut trace = flown();
+    let mut trace = recorded();
     trace.header.policy = hostile.into();
     let with = page_of(&trace).unwrap();
     let without = page(&flight()).unwrap();
@@ -131,7 +131,7 @@ fn false_alarms_and_reports_are_shown_where_there_are_any() {
 
 /// Changes one place of the trace and returns the error's text.
 fn refusal(change: impl FnOnce(&mut Trace)) -> String {
-    let mut trace = flown();
+    let mut trace = recorded();
     change(&mut trace);
     page_of(&trace).unwrap_err().to_string()
 }

@@ -2,8 +2,8 @@
 //!
 //! A trajectory leaves a hotspot after a fixed time, confirmed or not. Where the radar reaches no
 //! farther than its own cell, this wastes most of the visits. A team that stays until it knows of
-//! the confirmation never leaves in vain. Its time is random, so rounds are flown on sampled
-//! waits, with the same samples for all rounds that are compared.
+//! the confirmation never leaves in vain. Its time is random, so rounds are simulated on
+//! sampled waits, with the same samples for all rounds that are compared.
 //!
 //! A team of m UAVs over a hotspot reaches the quorum in a step with probability q(m). The wait is
 //! a race: each step adds -ln(1 - q(m)) to a sum, until the sum reaches -ln(U) with U uniform in

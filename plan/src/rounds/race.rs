@@ -235,7 +235,7 @@ mod tests {
         });
     }
 
-    /// A team of ten that is three cells away looks first in its third step.
+    /// A team of ten that is three cells away senses the hotspot first in its third step.
     #[test]
     fn one_hotspot_takes_the_way_and_a_geometric_wait() {
         with_hotspots(&[Cell { x: 9, y: 6 }], |problem, hotspots| {

@@ -1,4 +1,4 @@
-//! `answer`: lines abreast that search, and θ UAVs that go where a report was heard.
+//! `answer`: lines abreast that search, and θ UAVs that go where a report came from.
 
 use jcas_core::motion::toward;
 use jcas_core::{Model, Motion, StateRef};
@@ -10,7 +10,7 @@ use super::steering::{Steering, can_fly, cell_of, settled};
 use crate::memory::save_index;
 use crate::{MemoryError, MemoryReader};
 
-/// The Manhattan distance in cells from which a UAV looks at a reported cell.
+/// The Manhattan distance in cells from which a UAV senses a reported cell.
 const NEAR_CELLS: u32 = 1;
 /// The least number of UAVs, in quorums, of a fleet that answers. In a smaller one an answer stops
 /// the search of the others.
@@ -21,7 +21,7 @@ const QUORUMS: u32 = 3;
 /// The formation is chosen for fewer UAVs that see a hotspot in one step than the quorum. The UAVs
 /// that answer make up the quorum. A cell calls once θ UAVs that can come know a report of it
 /// at the highest level. The nearest of them leave their lines for the cell. They come back when a
-/// quorum has confirmed it, truly or falsely, or when θ of them have looked from nearby in vain.
+/// quorum has confirmed it, truly or falsely, or when θ of them have sensed it from nearby in vain.
 ///
 /// A UAV is called by what it knows itself. Without reports, and with fewer UAVs than three
 /// quorums, this is [`Line`].
@@ -30,7 +30,7 @@ pub struct Answer {
     lines: Line,
     /// The row-major index of the cell that each UAV is called to.
     called_to: Vec<Option<usize>>,
-    /// Whether θ UAVs have looked at each cell in vain.
+    /// Whether θ UAVs have sensed each cell in vain.
     empty: Vec<bool>,
 }
 
@@ -50,7 +50,7 @@ impl Answer {
         self.lines.take_formation(&other.lines);
     }
 
-    /// Ends answers to cells that are confirmed, or at which θ UAVs have looked.
+    /// Ends answers to cells that are confirmed, or that θ UAVs have sensed.
     fn end(&mut self, model: &Model<'_>, state: &StateRef<'_>) {
         for (index, empty) in self.empty.iter_mut().enumerate() {
             let cell = cell_of(model, index);
@@ -170,7 +170,7 @@ mod tests {
     use crate::Policy;
     use jcas_core::{Config, Preset, Sim};
 
-    fn flown(config: Config, kind: BaselineKind) -> Vec<f32> {
+    fn actions_of(config: Config, kind: BaselineKind) -> Vec<f32> {
         let model = Model::new(config).unwrap();
         let mut policy = kind.build(&model, PilotMode::Max).unwrap();
         let mut sim = Sim::new(&model);
@@ -202,12 +202,12 @@ mod tests {
             ..isac
         };
         for config in [silent, small] {
-            let answer = flown(config, BaselineKind::Answer);
-            assert_eq!(answer, flown(config, BaselineKind::Line));
+            let answer = actions_of(config, BaselineKind::Answer);
+            assert_eq!(answer, actions_of(config, BaselineKind::Line));
         }
     }
 
-    /// θ UAVs that know of a report leave for its cell and come back after looking; a UAV that
+    /// θ UAVs that know of a report leave for its cell and come back after sensing it; a UAV that
     /// knows of none is never called.
     #[test]
     fn those_who_know_answer_and_return() {

@@ -261,15 +261,15 @@ fn component(
 ) -> Result<Vec<usize>, OutOfMemory> {
     let mut members = filled(first, 1)?;
     met[first] = true;
-    let mut heard = 0;
-    while let Some(&uav) = members.get(heard) {
+    let mut visited = 0;
+    while let Some(&uav) = members.get(visited) {
         for other in state.neighbours(uav) {
             if !met[other] && can_fly(state, other) {
                 met[other] = true;
                 push(&mut members, other)?;
             }
         }
-        heard += 1;
+        visited += 1;
     }
     members.sort_unstable();
     Ok(members)
@@ -295,7 +295,7 @@ mod tests {
             ..Config::preset(Preset::Mission)
         };
         let model = Model::new(config).unwrap();
-        let flown = |others: Cell| {
+        let first_actions = |others: Cell| {
             let mut sim = Sim::new(&model);
             sim.reset(1);
             sim.set_hotspots(&[Cell { x: 2, y: 0 }, Cell { x: 13, y: 15 }])
@@ -312,7 +312,10 @@ mod tests {
             policy.act(&model, &sim.state(), &mut actions);
             actions
         };
-        let (near, far) = (flown(Cell { x: 15, y: 15 }), flown(Cell { x: 12, y: 12 }));
+        let (near, far) = (
+            first_actions(Cell { x: 15, y: 15 }),
+            first_actions(Cell { x: 12, y: 12 }),
+        );
         assert_eq!(near[..8], far[..8]);
         let motion = |actions: &[f32; 16], uav: usize| actions[2 * uav];
         assert_eq!(motion(&near, 0), Motion::Right.to_action(MotionMap::Udlrs));
@@ -321,7 +324,7 @@ mod tests {
     }
 
     // Teams 0 and 3 divided three hotspots. The second confirmed one of its two, and team 0 has not
-    // heard of that.
+    // received that.
     #[test]
     fn hotspots_of_a_team_out_of_touch_are_left_to_it() {
         let mut before = SquadPlan::new(6, vec![false; 3]).unwrap();

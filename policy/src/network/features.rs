@@ -38,8 +38,8 @@ pub const fn neighbour_features(reads_choices: bool) -> usize {
 /// Writes the features of the neighbour in a slot: its fields, then those of its offset in cells if
 /// `features` has room for them.
 ///
-/// A UAV can then tell its own cell from the next one, and count what those before it have chosen.
-/// A position difference of 1 stands for `cells`.
+/// A UAV can then distinguish its own cell from the next one, and count what those before it have
+/// chosen. A position difference of 1 stands for `cells`.
 pub fn describe_neighbour(slot: &[f32], cells: [f32; 2], features: &mut [f32]) {
     let (fields, local) = features.split_at_mut(SLOT_FIELDS);
     fields.copy_from_slice(slot);

@@ -55,29 +55,29 @@ impl Check {
             source.assign(assignment)?;
         }
         source.set_radar_table(&table)?;
-        let flown = Flown::of(&source.resolve()?, &table)?;
+        let curve = TableCurve::of(&source.resolve()?, &table)?;
         if let Some(path) = &self.figure {
-            flown.draw(&table, path)?;
+            curve.draw(&table, path)?;
         }
         files::print(&format!(
             "{}: valid, {} points at pilot density {}\n\n{}\n",
             self.file.display(),
-            flown.config.detection_table.len(),
-            flown.config.pilot_density_max,
-            flown.summary()
+            curve.config.detection_table.len(),
+            curve.config.pilot_density_max,
+            curve.summary()
         ))?;
         Ok(Outcome::Done)
     }
 }
 
 /// The kernel's P_d on a grid that is finer than that of an episode.
-struct Flown {
+struct TableCurve {
     config: Config,
     model: Model<'static>,
     densities: Vec<f64>,
 }
 
-impl Flown {
+impl TableCurve {
     fn of(config: &Config, table: &RadarTable) -> Result<Self, CliError> {
         let points = config.detection_table.as_slice();
         let longest_m = points.last().map_or(0.0, |last| last.range_m);
