@@ -2072,9 +2072,9 @@ JCAS_API JCAS_NODISCARD jcas_status jcas_policy_set_mode(struct jcas_policy *pol
 ///
 /// teams, squads, line, answer and replan remember what they planned. They begin anew at t = 0, and
 /// in the first state of all. From then on they act in every state of one simulation. Another
-/// state is JCAS_ERROR_MEMORY: one of another simulation, one after a step without them, or one
-/// that was loaded or forked. jcas_policy_memory_load brings the memory of such a state back, and
-/// jcas_policy_forget begins anew in it.
+/// state is JCAS_ERROR_MEMORY. It is one of another simulation, one after a step without them, or
+/// one that was loaded or forked. The function jcas_policy_memory_load brings the memory of such a
+/// state back, and jcas_policy_forget begins anew in it.
 ///
 /// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len.
 /// Threads: only this one uses `policy`, none changes `sim`.
@@ -2183,8 +2183,8 @@ JCAS_API jcas_status jcas_policy_forget(struct jcas_policy *policy);
 /// likely as any other. The annealing runs on this thread. jcas_plan_free ends the plan.
 ///
 /// `model`, `settings`, `plan`: not NULL; settings->struct_size set. `plan` receives the handle.
-/// `message`: see the rules below. JCAS_ERROR_ARGUMENT means that the fleet, the grid, the number
-/// of hotspots or the horizon is too large for a plan, or that `reserved` is not 0.
+/// `message`: see the rules below. JCAS_ERROR_ARGUMENT means that `reserved` is not 0,
+/// or that the fleet, the grid, the number of hotspots or the horizon is too large.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT, RESOURCES.
 JCAS_API

@@ -1,8 +1,8 @@
 //! An answer of the playground that is computed in a process of its own.
 //!
-//! A process can be ended at any moment, whatever its policy computes at that time. So the server
-//! bounds the time of every answer, and an answer that nobody waits for takes no more work. The
-//! process ends when its standard input does, so it never outlives the server.
+//! A process can be ended at any moment, even while its policy computes. So the server bounds the
+//! time of every answer, and an answer that nobody waits for takes no more work. The process ends
+//! when its standard input does, so it never outlives the server.
 
 use std::io::{self, BufRead, Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};

@@ -66,8 +66,8 @@ pub fn prepare_folder(path: &Path) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Prints lines to standard output. A closed pipe (`| head`) is no error. What could steer a terminal
-/// is escaped, since names and fields of files are printed, too.
+/// Prints lines to standard output. A closed pipe (`| head`) is no error. What could steer a
+/// terminal is escaped, since names and fields of files are printed, too.
 pub fn print(text: &str) -> Result<(), CliError> {
     print_raw(lines(text).as_bytes())
 }

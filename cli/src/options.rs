@@ -118,13 +118,14 @@ impl ModelOptions {
 /// Options for the policy and its pilot density.
 #[derive(Args, Clone, Debug)]
 pub struct PolicyOptions {
-    /// A policy by name (`jcas policies` lists them), plan:FILE for a file of `jcas plan`, or the
-    /// folder of a trained policy [default: teams; where hotspots are hidden line, with reports
-    /// answer]
+    /// A policy by name, plan:FILE for a file of `jcas plan`, or the folder of a trained policy.
+    /// `jcas policies` lists the names [default: teams; where hotspots are hidden line, with
+    /// reports answer]
     #[arg(long, value_name = "POLICY", help_heading = "Policy")]
     pub policy: Option<String>,
-    /// Pilot density: a number such as 0.15, min, mid, max or adaptive. With adaptive, a baseline
-    /// takes max near an unconfirmed hotspot and min elsewhere, and a trained policy its own density
+    /// Pilot density: a number such as 0.15, min, mid, max or adaptive. With adaptive, a
+    /// baseline takes max near an unconfirmed hotspot and min elsewhere, and a trained policy its
+    /// own density
     #[arg(long, value_name = "MODE", default_value = DEFAULT_PILOT, help_heading = "Policy")]
     pub pilot: String,
 }

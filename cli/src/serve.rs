@@ -1,7 +1,8 @@
 //! The playground's server on the loopback interface: one page, and the kernel's answers to it.
 //!
 //! It implements only the HTTP/1.1 that one page needs: a connection carries one request. A library
-//! would leave to us what is difficult here: who may ask, and work that ends with its connection.
+//! would leave to us what is difficult here: access control, and work that ends with its
+//! connection.
 
 use std::io::{self, BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
@@ -268,7 +269,7 @@ struct Head {
     path: String,
     host: String,
     origin: Option<String>,
-    /// Who asks, as the browser knows it (`Sec-Fetch-Site`).
+    /// The site of the request, as the browser states it (`Sec-Fetch-Site`).
     site: Option<String>,
     content_type: String,
     length: u64,
@@ -312,7 +313,7 @@ impl Head {
                 .strip_prefix("http://")
                 .is_some_and(|host| host == self.host)
         });
-        // A person who opens the address, or follows a link to it, gets the page.
+        // Opening the address, or following a link to it, gives the page.
         let own_site = match self.site.as_deref() {
             None | Some("same-origin" | "none") => true,
             Some(_) => self.method == "GET",

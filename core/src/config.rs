@@ -341,8 +341,8 @@ impl Config {
         }
     }
 
-    /// Description and value of each field that a text of this configuration states, in order: all
-    /// but those that are derived from others, for which TOML has no value.
+    /// Description and value of each field that a text of this configuration states, in order.
+    /// Left out are those that are derived from others, for which TOML has no value.
     pub fn stated(&self) -> impl Iterator<Item = (&'static FieldInfo, FieldValue<'_>)> {
         let fields = Self::FIELDS.iter().zip(self.values());
         fields.filter(|(_, value)| !value.is_derived())

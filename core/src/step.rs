@@ -33,8 +33,8 @@ impl Model<'_> {
     /// `actions` is an N × 2 matrix, row by row: `actions[2 * i]` is the direction of UAV `i` and
     /// `actions[2 * i + 1]` its pilot density. Both are reals that are clipped to [−1, 1].
     ///
-    /// The direction selects one of five equal bins of [−1, 1], by default +y, −y, −x, +x, stay. The
-    /// pilot density maps −1 to `pilot_density_min` and 1 to `pilot_density_max`, linearly.
+    /// The direction selects one of five equal bins of [−1, 1], by default +y, −y, −x, +x, stay.
+    /// The pilot density maps −1 to `pilot_density_min` and 1 to `pilot_density_max`, linearly.
     ///
     /// ```
     /// # #[cfg(feature = "alloc")] {

@@ -163,8 +163,8 @@ unsafe fn make(
 /// likely as any other. The annealing runs on this thread. jcas_plan_free ends the plan.
 ///
 /// `model`, `settings`, `plan`: not NULL; settings->struct_size set. `plan` receives the handle.
-/// `message`: see the rules below. JCAS_ERROR_ARGUMENT means that the fleet, the grid, the number
-/// of hotspots or the horizon is too large for a plan, or that `reserved` is not 0.
+/// `message`: see the rules below. JCAS_ERROR_ARGUMENT means that `reserved` is not 0,
+/// or that the fleet, the grid, the number of hotspots or the horizon is too large.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT, RESOURCES.
 #[must_use]

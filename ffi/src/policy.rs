@@ -338,9 +338,9 @@ pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i3
 ///
 /// teams, squads, line, answer and replan remember what they planned. They begin anew at t = 0, and
 /// in the first state of all. From then on they act in every state of one simulation. Another
-/// state is JCAS_ERROR_MEMORY: one of another simulation, one after a step without them, or one
-/// that was loaded or forked. jcas_policy_memory_load brings the memory of such a state back, and
-/// jcas_policy_forget begins anew in it.
+/// state is JCAS_ERROR_MEMORY. It is one of another simulation, one after a step without them, or
+/// one that was loaded or forked. The function jcas_policy_memory_load brings the memory of such a
+/// state back, and jcas_policy_forget begins anew in it.
 ///
 /// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len.
 /// Threads: only this one uses `policy`, none changes `sim`.

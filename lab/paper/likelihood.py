@@ -3,16 +3,17 @@
 The paper reports a mean success rate of 0.73 over n with ten UAVs, and of 0.97 for each n with
 fifteen UAVs. Each of its rates is of one training and 100 episodes. The model:
 
-- a training with N UAVs and n hotspots has the success rate p, logit p = m(N, n) + tau z, where z
-  is standard normal and independent between trainings;
-- the successes in M episodes of that training are binomial (M, p);
-- the paper's mean is rounded to two digits, so that of 500 episodes 363 to 367 succeeded;
+- A training with N UAVs and n hotspots has the success rate p, logit p = m(N, n) + tau z. Here z
+  is standard normal and independent between trainings.
+- The successes in M episodes of that training are binomial (M, p).
+- The paper's mean is rounded to two digits, so that of 500 episodes 363 to 367 succeeded.
 - "approximately 97 %" is 96, 97 or 98 of 100 episodes.
 
-H0: the paper's trainings have our m and tau. H1: they have a mean of their own, one on the logit
-scale for N = 10 and one for each n with N = 15; tau is common. The statistic is twice the log of
-the likelihood ratio, which is compared with chi squared of six degrees of freedom. H0 is rejected
-at p < 0.05. A condition is tested only if each of its ten cells has a training.
+H0: the paper's trainings have our m and tau. H1: they have means of their own, while tau is common.
+The means are one on the logit scale for N = 10 and one for each n with N = 15. The statistic
+is twice the log of the likelihood ratio, which is compared with chi squared of six degrees of
+freedom. H0 is rejected at p < 0.05. A condition is tested only if each of its ten cells has a
+training.
 """
 
 from __future__ import annotations

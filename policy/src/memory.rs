@@ -192,8 +192,8 @@ impl<'m> MemoryReader<'m> {
         Ok(self.below(2)? == 1)
     }
 
-    /// Reads the length of a list of which each item takes at least a word, so that no memory is
-    /// asked for that the words do not fill.
+    /// Reads the length of a list of which each item takes at least a word. So no memory is asked
+    /// for that the words do not fill.
     ///
     /// # Errors
     /// [`MemoryError::Corrupt`] if more words are needed than there are.

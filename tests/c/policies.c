@@ -187,8 +187,9 @@ static void *saved_memory(jcas_policy *policy, const jcas_sim *sim, size_t *size
     return memory;
 }
 
-/* A state and what the policy remembers in it give the same future, in another simulation and
- * policy, in the same ones, and in a batch. Without its memory the state is refused. */
+/* A state and what the policy remembers in it give the same future. That holds in another
+ * simulation and policy, in the same ones, and in a batch. Without its memory the state is
+ * refused. */
 static void remember(jcas_model *model, const char *name, size_t snapshot_size)
 {
     float actions[MEMBERS * ACTIONS];

@@ -17,8 +17,8 @@ struct Field {
     doc: &'static str,
 }
 
-/// Returns the fields with unit and range, each preset's values and default policy, all policies with
-/// what they do, and the scenes, in JSON.
+/// Returns the fields with unit and range, each preset's values and default policy, all policies
+/// with what they do, and the scenes, in JSON.
 pub(crate) fn about() -> String {
     let fields: Vec<Field> = Config::FIELDS
         .iter()

@@ -46,8 +46,8 @@ pub struct Episode {
     /// A configuration as `jcas` reads it: fields over a preset.
     #[serde(default)]
     config: Map<String, Value>,
-    /// Name of a baseline, of a policy that plans or of a shipped policy. Without it the default one
-    /// of the configuration flies.
+    /// Name of a baseline, of a policy that plans or of a shipped policy. Without it the default
+    /// one of the configuration flies.
     policy: Option<String>,
     /// Pilot mode: a number, `min`, `mid`, `max` or `adaptive`.
     pilot: String,

@@ -4,7 +4,13 @@ use serde_json::{Value, json};
 
 /// Returns the scenes: name, a few words, and the episode as the page's address holds it.
 pub(crate) fn scenes() -> Value {
-    let scene = |name: &str, summary: &str, episode: Value| json!({ "name": name, "summary": summary, "mission": episode });
+    let scene = |name: &str, summary: &str, episode: Value| {
+        json!({
+            "name": name,
+            "summary": summary,
+            "mission": episode,
+        })
+    };
     json!([
         scene("Teams", "Known hotspots, which teams divide", json!({})),
         scene(

@@ -72,7 +72,8 @@ impl Check {
             && self.location.file.contains("proofs")
     }
 
-    /// Whether it is of one place in the source: the compiler may copy a branch, and with it a check.
+    /// Whether it is of one place in the source: the compiler may copy a branch, and with it a
+    /// check.
     fn is_copy_of(&self, other: &Self) -> bool {
         self.location == other.location && self.description == other.description
     }

@@ -10,8 +10,8 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// Seconds by the clock after which a harness counts as not solved: ten minutes on a machine of its
-/// own, longer than that on a busy one.
+/// Seconds by the clock after which a harness counts as not solved. That is ten minutes on a
+/// machine of its own, and longer on a busy one.
 const LIMIT_S: u64 = 1800;
 /// Seconds that building a crate for Kani may take.
 const BUILD_S: u64 = 900;
@@ -283,7 +283,7 @@ fn outcome(judged: Judged, commit: &str, sources: &Sources) -> Outcome {
         files: judged.files,
     };
     match judged.verdict {
-        // Without its files a verdict would stay true whatever is changed.
+        // Without its files a verdict would stay true after any change.
         Ok(_) if outcome.files.is_empty() => {
             outcome.verdict = ProofVerdict::Unfinished;
             outcome.note = Some("goto-instrument did not list the program".to_owned());

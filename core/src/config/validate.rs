@@ -9,8 +9,8 @@ const MAP_BITS_MAX: u64 = 1 << 28;
 /// Longest range of a detection table.
 const RANGE_MAX_M: f64 = 1e6;
 
-/// Largest P_d at the end of a detection table. Beyond its last range the table keeps this value, so
-/// a table that ends high would be a radar without an end.
+/// Largest P_d at the end of a detection table. Beyond its last range the table keeps this value,
+/// so a table that ends high would be a radar without an end.
 const LAST_PROBABILITY_MAX: f64 = 0.1;
 
 impl Config {

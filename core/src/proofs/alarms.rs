@@ -40,7 +40,7 @@ pub fn thresholds_rise_within_the_draws() {
     }
 }
 
-/// The next probability is not below 0, whatever was rounded or overflowed before.
+/// The next probability is not below 0, even after rounding or overflow before.
 #[cfg_attr(kani, kani::proof)]
 pub fn a_probability_is_not_negative() {
     let k = f64::from(between(0, ALARMS_MAX as u64 - 1) as u32);

@@ -8,8 +8,8 @@
 //!    `Block::store` begin with the slice of the block's UAVs, to which Rust confines the rest. So
 //!    the length of the row does not matter, and no other block writes i's entry.
 //! 3. A part of a step computes all lanes by one function of the lanes alone. For batteries this is
-//!    `settle_lanes`, of which `a_blocks_batteries_stay_in_their_bounds` shows that every lane stays
-//!    in its bounds and balances. For pilot densities it is `densities`, of which
+//!    `settle_lanes`, of which `a_blocks_batteries_stay_in_their_bounds` shows that every lane
+//!    stays in its bounds and balances. For pilot densities it is `densities`, of which
 //!    `a_blocks_pilot_densities_stay_in_range` shows the same for the range.
 //!
 //! So i's battery stays in its bounds and i's pilot density in its range. The blocks are those of
@@ -90,7 +90,7 @@ pub fn a_blocks_batteries_stay_in_their_bounds() {
     settles_every_lane::<1>(&[battery[0]], &[asked[0]], &[offered[0]], capacity);
 }
 
-/// Every lane's pilot density is in the configured range, whatever number the action is.
+/// Every lane's pilot density is in the configured range, for any number as action.
 fn densities_stay_in_range<const W: usize>(actions: &Lanes<f32, W>, min: f64, max: f64) {
     let pilot = densities(actions, min, max);
     for lane in 0..W {

@@ -106,8 +106,8 @@ fn any_cell(width: u32, height: u32) -> Cell {
     }
 }
 
-/// In any grid of a width, the index of an offset is |Δy| · width + |Δx|, in bytes and in words, and
-/// lies in the grid.
+/// In any grid of a width, the index of an offset is |Δy| · width + |Δx|, in bytes and in words,
+/// and lies in the grid.
 fn indexes_the_offset<const W: usize>(width: u32) {
     let height = between(1, CELLS as u64 / u64::from(width)) as u32;
     let (from, to) = (any_cell(width, height), any_cell(width, height));

@@ -304,9 +304,11 @@ impl<'a> StateRef<'a> {
         self.header.rewards()
     }
 
-    /// Components of the last reward of UAV `i`, in the order of [`crate::constants::reward::NAMES`].
+    /// Components of the last reward of UAV `i`, in the order of
+    /// [`crate::constants::reward::NAMES`].
     ///
-    /// The components in [`crate::constants::reward::OWN`] are the UAV's own; the others are the team's.
+    /// The components in [`crate::constants::reward::OWN`] are the UAV's own; the others are
+    /// the team's.
     #[inline]
     #[must_use]
     pub fn uav_rewards(&self, i: usize) -> Rewards {

@@ -1,4 +1,4 @@
-//! Words, bits, hashes, draws and cells: the vocabulary of all other rooms, which uses none of them.
+//! Words, bits, hashes, draws and cells: the vocabulary of all other rooms, of which it uses none.
 
 pub mod bits;
 pub(crate) mod geometry;

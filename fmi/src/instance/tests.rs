@@ -50,7 +50,7 @@ fn reports_and_false_confirmations_are_outputs() {
     assert!(counts(&episode, "false_confirmation_count")[0] > 0);
 }
 
-/// Inputs that the importer has not set are the motion stay, in whatever bin it is.
+/// Inputs that the importer has not set are the motion stay, in any order of the bins.
 #[test]
 fn a_fleet_without_actions_stays() {
     let motions = jcas_core::MotionMap::ALL.iter().map(|map| map.name());

@@ -18,7 +18,10 @@ pub enum TrainError {
     #[error("{path}: {1}", path = .0.display())]
     Format(PathBuf, #[source] FormatError),
     /// A folder that holds a run already.
-    #[error("{}: holds a run already; continue it with --resume or give another folder", .0.display())]
+    #[error(
+        "{}: holds a run already; continue it with --resume or give another folder",
+        .0.display()
+    )]
     Taken(PathBuf),
     /// A policy whose network is not that of the settings.
     #[error("{}: its network is {stored}, that of the settings is {own}", folder.display())]
@@ -58,7 +61,7 @@ pub enum SettingError {
         group: &'static str,
         /// The name.
         name: String,
-        /// The names that there are.
+        /// The names that are allowed.
         allowed: String,
     },
     /// Overrides that are no values of their fields.

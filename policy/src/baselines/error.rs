@@ -12,7 +12,7 @@ const SPELLED_BYTES_MAX: usize = 16;
 /// The most letters that are added, left out or replaced in a name that was meant.
 const EDITS_MAX: usize = 2;
 
-/// Returns the name of a policy that is spelled like another text, whatever its case.
+/// Returns the name of a policy that is spelled like another text, in any case of its letters.
 #[must_use]
 pub fn similar(name: &str) -> Option<&'static str> {
     let names = named_policies().map(|policy| policy.name);

@@ -14,9 +14,10 @@
 //!
 //! A *privileged* baseline reads the positions of hotspots that no UAV knows. With
 //! `target_visibility = "known"` (the paper) every UAV observes these positions, so no baseline is
-//! privileged. With `"hidden"` they are withheld, and [`build`](crate::BaselineKind::build) refuses the baselines
-//! that read them. [`build_privileged`](crate::BaselineKind::build_privileged) builds them anyway, as an upper bound or as a
-//! teacher.
+//! privileged. With `"hidden"` they are withheld, and [`build`](crate::BaselineKind::build)
+//! refuses the baselines that read them.
+//! [`build_privileged`](crate::BaselineKind::build_privileged) builds them anyway, as an upper
+//! bound or as a teacher.
 //!
 //! `random` and `untrained` read nothing at all. Once every hotspot is confirmed, the others but
 //! `squads` gather, so that UAVs share what they know ([`gather()`]). This rule reads the cells of

@@ -47,7 +47,7 @@ class FleetTask(TaskClass):
         return True
 
     def has_render(self, env: Any) -> bool:
-        """Pictures are drawn only by who asks for them."""
+        """Pictures are drawn only on request."""
         return False
 
     def max_steps(self, env: Any) -> int:

@@ -119,7 +119,7 @@ def evaluate(
     Args:
         act: a policy, or a function from observations [missions, N, length] to actions. If it has a
             method `reset`, that is called with the number of missions before their first
-            observations, so that a recurrent policy begins with fresh memory.
+            observations. So a recurrent policy begins with fresh memory.
         model: the model of the missions.
         episodes: how many.
         seed: of the campaign; episode k has the k-th seed that is derived from it.

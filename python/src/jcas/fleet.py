@@ -75,7 +75,7 @@ class FleetEnv(MissionEnv, gymnasium.Env[Observation, Any]):
         """Step the fleet.
 
         `info` has the same keys at every step: `reward_components` in the order of
-        `jcas.REWARD_NAMES`, and the episode's metrics (`success`, `steps`, `confirmed`, ...), which
+        `jcas.REWARD_NAMES`, and the episode's metrics. These (`success`, `steps`, `confirmed`, ...)
         are 0 until its end.
         """
         outcome = self._mission.step(self._form.encode_fleet(action, self._shape))

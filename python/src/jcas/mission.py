@@ -144,7 +144,7 @@ class Mission:
 
 
 class MissionEnv:
-    """What environments of one mission have in common, whatever their interface."""
+    """What environments of one mission have in common under every interface."""
 
     _mission: Mission
     render_mode: str | None = None

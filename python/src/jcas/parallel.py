@@ -105,7 +105,7 @@ class JcasParallelEnv(MissionEnv, ParallelEnv[str, Observation, Any]):
 
         The reward is the team's, the same for each agent, or with `credit="uav"` the agent's own.
         `infos` have the same keys at every step: `reward_components` of the team's reward, and the
-        episode's metrics (`success`, `steps`, `confirmed`, ...), which are 0 until its end. After
+        episode's metrics. These (`success`, `steps`, `confirmed`, ...) are 0 until its end. After
         the end, a step without actions changes nothing and returns nothing.
         """
         self._mission.need_reset("step")

@@ -143,7 +143,7 @@ def replay_trace(trace: TraceLike, watch: Callable[[Sim], None] | None = None) -
 class Recorder:
     """Records an episode of a simulation: it begins that of a seed.
 
-    Whatever replaces the state (a reset, `load`) ends the recording without a trace.
+    Any replacement of the state (a reset, `load`) ends the recording without a trace.
 
     Args:
         sim: the simulation.

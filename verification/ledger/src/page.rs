@@ -14,8 +14,10 @@ pub fn page(ledger: &Ledger, results: &Results, now: &Sources) -> String {
          Written by `cargo xtask prove` from `results.toml`.\n\
          Each row is the newest run of one harness.\n\
          A harness counts as verified if every check holds and every cover is reached.\n\
-         The sources of a row are the files that the checked program contains, and those that they\n\
-         import, comments aside. Where they have changed, the verdict is that of the commit alone.\n\
+         The sources of a row are the files that the checked program contains, and those that \
+         they\n\
+         import, comments aside. Where they have changed, the verdict is that of the \
+         commit alone.\n\
          The mutant is the deliberate fault of PROOFS.md, under Kani.\n\n",
     );
     text += &summary(ledger, results, now);

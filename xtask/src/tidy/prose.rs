@@ -51,7 +51,8 @@ fn paragraphs(file: &File) -> Vec<(usize, String)> {
         let item = prose.strip_prefix(['-', '*']).unwrap_or(prose);
         let number = prose.split_once(". ").map_or("", |(number, _)| number);
         let is_numbered = number.parse::<u32>().is_ok();
-        if !is_open || is_numbered || item.starts_with(' ') {
+        let is_entry = suffix == "py" && is_entry(prose);
+        if !is_open || is_numbered || is_entry || item.starts_with(' ') {
             found.push((index + 1, String::new()));
             is_open = true;
         }
@@ -62,6 +63,13 @@ fn paragraphs(file: &File) -> Vec<(usize, String)> {
     }
     found.iter_mut().for_each(|(_, text)| *text = plain(text));
     found
+}
+
+/// Whether a line of a docstring begins the entry of a parameter: `name: text`.
+fn is_entry(prose: &str) -> bool {
+    let name = prose.split_once(": ").map_or("", |(name, _)| name);
+    let name = name.trim_start_matches('*');
+    !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_')
 }
 
 /// The prose of a line, or `None` where it is code. `string` says whether a Python string of
@@ -143,6 +151,12 @@ mod tests {
                       \"\"\"Three\n    lines.\"\"\"\n    x = 1  # no\n    # One.\n";
         let three = (6, "Three lines.".to_owned());
         assert_eq!(found("a.py", python), [three, (9, "One.".to_owned())]);
+        let entries = "\"\"\"Args:\n    a: one of\n        two\n    **b_c: x\n\"\"\"\n";
+        let texts: Vec<_> = found("a.py", entries)
+            .into_iter()
+            .map(|(_, text)| text)
+            .collect();
+        assert_eq!(texts, ["Args:", "a: one of two", "*b_c: x"]);
         let document = "# Title\n\nSee [this](a.md) page.\n- An item\n| a | 1 |\n```\ncode\n```\n";
         let page = (3, "See this page.".to_owned());
         assert_eq!(found("a.md", document), [page, (4, "An item".to_owned())]);

@@ -122,7 +122,8 @@ impl TableCurve {
         let within = self.curve(density).take_while(|&(_, p_d)| p_d >= 0.5);
         match within.enumerate().last() {
             None => "none".to_owned(),
-            // A lower density can have a higher P_d where the pilots' load costs more than they gain.
+            // A lower density can have a higher P_d where the pilots' load costs more than they
+            // gain.
             Some((step, _)) if step == STEPS as usize => "not reached within the table".to_owned(),
             Some((_, (range_m, _))) => format!("{range_m:.1} m"),
         }

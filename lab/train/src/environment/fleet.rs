@@ -145,8 +145,8 @@ impl Fleet {
         self.look();
     }
 
-    /// Keeps the last global state of an episode, and starts the next one with a seed derived from
-    /// its own, as the kernel does by itself.
+    /// Keeps the last global state of an episode, and starts the next one. Its seed is derived from
+    /// that of the episode, as the kernel does by itself.
     fn start_anew(&mut self, m: usize, out: &mut StepOut) {
         let (words, global_len) = (self.model.state_words(), self.model.global_len());
         let rows = self.model.uav_count() * self.model.observation_len();

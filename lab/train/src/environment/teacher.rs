@@ -2,8 +2,8 @@
 //!
 //! A learner observes a state and no plan. So the teacher plans anew in each state, by what the
 //! members of a radio component know. Which UAV of a cell joins which team does not matter. So the
-//! motions of a cell are assigned round-robin, and its first UAVs show whether and how it divides. Pilot
-//! densities are those of the rule `adaptive`, which reads all confirmations.
+//! motions of a cell are assigned round-robin, and its first UAVs show whether and how it divides.
+//! Pilot densities are those of the rule `adaptive`, which reads all confirmations.
 
 use jcas_core::action::motion;
 use jcas_core::{Model, Motion, StateRef};

@@ -226,8 +226,8 @@ impl Learner<'_> {
         })
     }
 
-    /// For each shard, mean and standard deviation of the advantages of all the minibatch's rows that
-    /// come from missions like its own.
+    /// For each shard, mean and standard deviation of the advantages of all the minibatch's rows
+    /// that come from missions like its own.
     fn advantage_scales(&self, minibatch: &[Shard]) -> Vec<(f32, f32)> {
         let mut scales: Vec<(f32, f32)> = Vec::with_capacity(minibatch.len());
         for shard in minibatch {

@@ -21,9 +21,9 @@ class JcasMultiAgentEnv(MissionEnv, MultiAgentEnv):
     """Observations are dicts: `observation` for the actor, `state` for the critic alone.
 
     Args:
-        config: RLlib's environment configuration; its fields are those of `jcas.Config`,
-            `credit`: `team` (the default) or `uav`, as in `jcas.parallel_env`, and `seed`: of the
-            training run.
+        config: RLlib's environment configuration. Its fields are those of `jcas.Config`, `credit`
+            and `seed`. `credit` is `team` (the default) or `uav`, as in `jcas.parallel_env`. `seed`
+            is that of the training run.
 
     RLlib gives environment i of runner w the seed `seed + w + i`, so that runners share episodes.
     Where RLlib says which runner it is, the seed of an episode is derived from the run's seed, the
