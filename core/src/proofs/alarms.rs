@@ -4,7 +4,7 @@
 // A negated comparison is true of a NaN, which it must be here.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::inputs::{between, real_between};
+use super::inputs::{between, does_not_fall, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
 use crate::config::Cell;
@@ -22,11 +22,11 @@ const SIDE: u32 = 3;
 #[cfg_attr(kani, kani::stub(libm::log1p, crate::proofs::stubs::any_log1p))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::rules::alarms::next, crate::proofs::stubs::any_next)
+    kani::stub(crate::radio::false_alarms::next, crate::proofs::stubs::any_next)
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::rules::alarms::plus, crate::proofs::stubs::any_sum)
+    kani::stub(crate::radio::false_alarms::plus, crate::proofs::stubs::any_sum)
 )]
 pub fn thresholds_rise_within_the_draws() {
     let cells = between(0, 1 << 20) as u32;
@@ -50,11 +50,6 @@ pub fn a_probability_is_not_negative() {
     kani::cover!(following > probability, "a larger one");
     kani::cover!(following < probability, "a smaller one");
     assert!(!(following < 0.0));
-}
-
-/// Whether `sum` is not below its part: once a sum is not a number, it stays so.
-pub(super) fn does_not_fall(at_most: f64, sum: f64) -> bool {
-    !(sum < at_most) && (!at_most.is_nan() || sum.is_nan())
 }
 
 /// A sum is not below its first part where the second is not below 0.

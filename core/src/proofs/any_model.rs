@@ -148,7 +148,7 @@ fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
         bucket_side: 2,
         bucket_columns: 1,
         bucket_rows: 1,
-        disc: super::Disc::of(&config),
+        disc: super::Disc::from_radius(config.search_map_radius_m, config.cell_size_m),
         footprint: crate::radio::footprint::of(&config),
         added: 0,
         tables: Words::Borrowed(words),

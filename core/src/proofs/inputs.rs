@@ -48,3 +48,10 @@ pub fn real_between(low: f64, high: f64) -> f64 {
         }
     }
 }
+
+/// Whether `sum` is not below its part: once a sum is not a number, it stays so.
+// A negated comparison is true of a NaN, which it must be here.
+#[allow(clippy::neg_cmp_op_on_partial_ord)]
+pub(super) fn does_not_fall(at_most: f64, sum: f64) -> bool {
+    !(sum < at_most) && (!at_most.is_nan() || sum.is_nan())
+}

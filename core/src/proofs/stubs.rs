@@ -6,13 +6,12 @@
 // Named in attributes alone, which the compiler does not count as a use.
 #![allow(dead_code)]
 
-use super::alarms::does_not_fall;
 use super::carbon::{FLEET_NG, FLEET_UJ, INTENSITY_MG_PER_KWH};
 use super::curves::{
     FALSE_ALARM_EXPONENT_MAX, INVERSE_PROBABILITY_MAX, LOG_MAX, LOG_PROBABILITY_MIN, UAV_ODDS_MAX,
     UAV_ODDS_MIN,
 };
-use super::inputs::{between, real_between};
+use super::inputs::{between, does_not_fall, real_between};
 use super::reward::REWARD_MAX;
 use super::state::{links_join_two, radios_are_valid};
 use super::tables::{EXP_MAX, EXP_MIN, LOAD_ODDS_MAX, LOG2_MAX, LOG10_MAX, ODDS_MAX, ODDS_MIN};
