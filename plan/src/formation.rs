@@ -1,9 +1,11 @@
 //! Initial trajectories for hidden hotspots: lines of UAVs abreast that sweep the grid.
 
+use alloc::vec;
 use alloc::vec::Vec;
 
 use jcas_core::Cell;
 use jcas_core::motion::{destination, toward};
+use jcas_policy::charge_to_leave_uj;
 use jcas_policy::geometry::{Formation, LINES_MAX, Rank, THIRDS_MAX, meeting_cell};
 
 use crate::battery::{Duty, after, duty};
@@ -17,6 +19,8 @@ pub(crate) const SWEEPS_MAX: usize = (LINES_MAX * LINES_MAX * (THIRDS_MAX + 1)) 
 pub(crate) struct Recorder<'p, 'm> {
     problem: &'p Problem<'m>,
     charges_uj: Vec<u64>,
+    /// Whether a low battery has sent each UAV home, where it charges as the policies do.
+    charges: Vec<bool>,
     cells: Vec<Cell>,
     paths: Paths,
     level: u8,
@@ -30,6 +34,7 @@ impl<'p, 'm> Recorder<'p, 'm> {
         Self {
             problem,
             charges_uj: problem.situation.charges_uj.clone(),
+            charges: vec![false; cells.len()],
             cells,
             paths: Paths::hovering(&indices, problem.steps, level),
             level,
@@ -44,6 +49,11 @@ impl<'p, 'm> Recorder<'p, 'm> {
 
     pub(crate) fn cell(&self, uav: usize) -> Cell {
         self.cells[uav]
+    }
+
+    /// Returns the charge of a UAV in µJ, at the highest consumption.
+    pub(crate) fn charge_uj(&self, uav: usize) -> u64 {
+        self.charges_uj[uav]
     }
 
     /// Returns whether the plan has reached its maximum number of steps.
@@ -66,12 +76,17 @@ impl<'p, 'm> Recorder<'p, 'm> {
             let (from, charge_uj) = (self.cells[uav], self.charges_uj[uav]);
             let (target, level) = order(uav);
             let (to, level) = match duty(model, charge_uj, from) {
+                Duty::Free if self.charges[uav] && self.stays(from, charge_uj) => (from, level),
                 Duty::Free => {
+                    self.charges[uav] = false;
                     let motion = toward(from, target);
                     let to = destination(from, motion, config.grid_width, config.grid_height);
                     (to, level)
                 }
-                Duty::Returns(there) => (there, level),
+                Duty::Returns(there) => {
+                    self.charges[uav] = true;
+                    (there, level)
+                }
                 Duty::Grounded => (from, odds.grounded()),
             };
             let density = odds.densities().get(usize::from(level)).copied();
@@ -79,6 +94,11 @@ impl<'p, 'm> Recorder<'p, 'm> {
             self.cells[uav] = to;
             self.paths.set(uav, self.step, odds.index(to), level);
         }
+    }
+
+    fn stays(&self, cell: Cell, charge_uj: u64) -> bool {
+        let model = self.problem.model;
+        (charge_uj as f64) < charge_to_leave_uj(model) && model.depots().contains(&cell)
     }
 
     pub(crate) fn finish(self) -> Paths {

@@ -32,6 +32,7 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
+mod alone;
 mod anneal;
 mod battery;
 mod belief;

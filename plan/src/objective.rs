@@ -25,6 +25,9 @@ use crate::targets::Placement;
 /// The remaining probability below which no further step is evaluated.
 const NEGLIGIBLE: f64 = 1e-12;
 
+/// The probability that a plan that has run out ends the episode later.
+const RUN_OUT: f64 = 1e-3;
+
 /// The expected time of a plan, counted from the step that it begins at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Expectation {
@@ -49,6 +52,26 @@ pub(crate) fn expect_while(
     problem: &Problem<'_>,
     paths: &Paths,
     go_on: &mut dyn FnMut(usize) -> bool,
+) -> Option<Expectation> {
+    expect_traced(problem, paths, go_on, &mut |_| {})
+}
+
+/// Returns the step of the plan by which the episode has ended, if it ends by the plan at all. It
+/// may have not with the probability [`RUN_OUT`]; a plan says nothing of the time after.
+pub(crate) fn runs_out(problem: &Problem<'_>, paths: &Paths) -> u32 {
+    let mut ended = Vec::new();
+    expect_traced(problem, paths, &mut |_| true, &mut |now| ended.push(now));
+    let success = ended.last().copied().unwrap_or(0.0);
+    let out = ended.iter().position(|&ended| ended >= success - RUN_OUT);
+    out.map_or(problem.steps_left, |step| step as u32 + 1)
+}
+
+/// `trace` receives the probability that the episode has ended, after each step.
+fn expect_traced(
+    problem: &Problem<'_>,
+    paths: &Paths,
+    go_on: &mut dyn FnMut(usize) -> bool,
+    trace: &mut dyn FnMut(f64),
 ) -> Option<Expectation> {
     let sites = problem.odds.sites();
     let mut missed = vec![1.0; sites.len()];
@@ -84,6 +107,7 @@ pub(crate) fn expect_while(
         if meets {
             ended = confirmed;
         }
+        trace(ended);
     }
     expected.success = ended;
     Some(expected)

@@ -10,6 +10,7 @@ use crate::anneal::{Annealer, Progress, Settings};
 use crate::bound::bound_while;
 use crate::error::PlanError;
 use crate::objective::{Expectation, confirmed_by, expect, expect_while, stay_one};
+use crate::odds::plan_densities;
 use crate::paths::Paths;
 use crate::problem::{Problem, Situation, check_start};
 use crate::targets::Targets;
@@ -51,6 +52,23 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Returns a plan of these trajectories, without an annealing and a bound.
+    pub(crate) fn fixed(problem: &Problem<'_>, paths: Paths, expected: Expectation) -> Self {
+        Self {
+            config_hash: problem.model.config_hash(),
+            seed: 0,
+            iterations: 0,
+            stopped: false,
+            first_step: problem.situation.step,
+            paths,
+            densities: plan_densities(problem.model),
+            grid_width: problem.model.config().grid_width,
+            expected,
+            start_steps: expected.steps,
+            bound_steps: 0.0,
+        }
+    }
+
     /// Returns the cell of a UAV after a step of the plan. From the last step on it stays there.
     #[must_use]
     pub fn cell(&self, uav: usize, step: usize) -> Cell {
@@ -59,6 +77,12 @@ impl Plan {
             x: index % self.grid_width,
             y: index / self.grid_width,
         }
+    }
+
+    /// Returns the highest pilot density for sensing, and the least otherwise.
+    pub(crate) fn density_of(&self, senses: bool) -> f64 {
+        let highest = self.densities.len().saturating_sub(2);
+        self.densities[if senses { highest } else { 0 }]
     }
 
     /// Returns the pilot density of a UAV in a step of the plan.
@@ -226,19 +250,12 @@ fn improve_watched(
         !watch.work(products) || left > 0
     };
     let bound_steps = bound_while(problem, &mut go_on);
-    let mut densities = problem.odds.densities().to_vec();
-    densities.push(problem.model.config().pilot_density_min);
     Plan {
-        config_hash: problem.model.config_hash(),
         seed: settings.seed,
         iterations: watch.iterations(),
         stopped: watch.stopped() && watch.iterations() < settings.iterations,
-        first_step: problem.situation.step,
-        paths,
-        densities,
-        grid_width: problem.model.config().grid_width,
-        expected,
         start_steps,
         bound_steps,
+        ..Plan::fixed(problem, paths, expected)
     }
 }

@@ -8,12 +8,14 @@ use core::ops::ControlFlow;
 use jcas_core::{Cell, Model, StateRef, TargetVisibility};
 use jcas_policy::{MemoryError, MemoryReader};
 
+use crate::alone;
 use crate::anneal::Settings;
 use crate::belief;
 use crate::error::PlanError;
 use crate::follow::write;
 use crate::gossip::Gossip;
 use crate::memory;
+use crate::objective::runs_out;
 use crate::odds::plan_densities;
 use crate::plan::{Plan, improve, starts};
 use crate::problem::{Problem, Situation, check_start};
@@ -201,9 +203,12 @@ impl Replanner {
         };
         let mut plan = improve(&problem, starts(&problem), &settings, &mut go_on);
         let known = vec![false; model.hotspot_count()];
-        let rounds = faster_rounds(&problem, hotspots, &known, None, &settings, &mut plan);
+        let (rounds, ends_step) =
+            faster_rounds(&problem, hotspots, &known, None, &settings, &mut plan);
         Ok(Arc::new(View {
             first_step: problem.situation().step,
+            ends_step,
+            alone: false,
             plan,
             known,
             rounds,
@@ -236,10 +241,16 @@ impl Replanner {
                 newest = view;
             }
         }
-        if agreed && newest.holds(&known, state.reports_of(members[0])) {
+        let run_out = newest.has_run_out(state);
+        if agreed && !run_out && newest.holds(&known, state.reports_of(members[0])) {
             return Ok(());
         }
-        let view = Arc::new(self.renewed(model, state, members, newest, known)?);
+        let parted = members.len() < state.uav_count() && !newest.hidden;
+        let view = Arc::new(if parted && (run_out || newest.alone) {
+            alone::plan(model, state, members, known, &self.settings)?
+        } else {
+            self.renewed(model, state, members, newest, known)?
+        });
         for &uav in members {
             self.views[uav] = Arc::clone(&view);
         }
@@ -286,7 +297,7 @@ impl Replanner {
         }
         let mut plan = improve(&problem, begin, &self.settings, &mut go_on);
         let before = shared.rounds.as_ref();
-        let rounds = faster_rounds(
+        let (rounds, ends_step) = faster_rounds(
             &problem,
             &hotspots,
             &known,
@@ -296,6 +307,8 @@ impl Replanner {
         );
         Ok(View {
             first_step: state.t(),
+            ends_step,
+            alone: false,
             plan,
             known,
             rounds,
@@ -314,9 +327,18 @@ impl Replanner {
     ) {
         let view = &self.views[members[0]];
         let step = view.elapsed(state) + 1;
+        let hotspots = hotspot_cells(state);
         for &uav in members {
-            let target = view.plan.cell(uav, step);
-            let density = view.plan.pilot_density(uav, step);
+            let at = (state.cell(uav), state.battery_uj(uav));
+            let rounds = view.rounds.as_ref();
+            let order = rounds.and_then(|rounds| rounds.order(model, &hotspots, uav, at));
+            let (target, density) = match order {
+                Some((target, senses)) => (target, view.plan.density_of(senses)),
+                None => (
+                    view.plan.cell(uav, step),
+                    view.plan.pilot_density(uav, step),
+                ),
+            };
             let action = &mut actions[2 * uav..2 * uav + 2];
             write(model, state.cell(uav), target, density, action);
         }
@@ -348,14 +370,15 @@ fn component(state: &StateRef<'_>, first: usize) -> Vec<usize> {
     members
 }
 
-fn hotspot_cells(state: &StateRef<'_>) -> Vec<Cell> {
+pub(crate) fn hotspot_cells(state: &StateRef<'_>) -> Vec<Cell> {
     let hotspots = 0..state.hotspot_count();
     hotspots
         .map(|hotspot| state.hotspot_cell(hotspot))
         .collect()
 }
 
-/// Returns rounds if they are expected to be faster than a plan, whose trajectories they replace.
+/// Returns rounds if they are expected to be as fast as a plan, whose trajectories they replace.
+/// Returns also the step at which the plan has run out.
 fn faster_rounds(
     problem: &Problem<'_>,
     hotspots: &[Cell],
@@ -363,12 +386,17 @@ fn faster_rounds(
     shared: Option<&Rounds>,
     settings: &Settings,
     plan: &mut Plan,
-) -> Option<Rounds> {
-    let planned = rounds::plan(problem, hotspots, known, shared, &plan.paths, settings)?;
-    if planned.expected.steps >= plan.expected.steps {
-        return None;
+) -> (Option<Rounds>, u32) {
+    let now = problem.situation.step;
+    let others = rounds::others(&problem.movers, shared, problem.situation.cells.len());
+    let planned = others
+        .and_then(|others| rounds::plan(problem, hotspots, known, &others, &plan.paths, settings));
+    match planned {
+        Some(planned) if planned.expected.steps <= plan.expected.steps => {
+            plan.paths = planned.paths;
+            plan.expected = planned.expected;
+            (Some(planned.rounds), now + planned.longest)
+        }
+        _ => (None, now + runs_out(problem, &plan.paths)),
     }
-    plan.paths = planned.paths;
-    plan.expected = planned.expected;
-    Some(planned.rounds)
 }

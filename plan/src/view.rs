@@ -18,6 +18,10 @@ use crate::rounds::Rounds;
 #[derive(Clone, Debug)]
 pub(crate) struct View {
     pub(crate) first_step: u32,
+    /// The step of the episode at which the plan has run out.
+    pub(crate) ends_step: u32,
+    /// Whether the members have lost the others, of whose plans they assume nothing more.
+    pub(crate) alone: bool,
     pub(crate) plan: Plan,
     /// The hotspots that the members knew when they planned.
     pub(crate) known: Vec<bool>,
@@ -57,7 +61,12 @@ impl View {
         observations.split_off(observations.len().saturating_sub(count))
     }
 
-    /// Whether the members plan anew only if they know more than this.
+    /// Whether the plan has run out, and the episode goes on.
+    pub(crate) fn has_run_out(&self, state: &StateRef<'_>) -> bool {
+        state.t() >= self.ends_step
+    }
+
+    /// Whether the members know no more than when they planned.
     pub(crate) fn holds(&self, known: &[bool], reports: &[u64]) -> bool {
         // Before the first step there are no reports.
         let planned = self.reports.iter().chain(core::iter::repeat(&0));
@@ -76,6 +85,8 @@ impl View {
             ..
         } = self.plan;
         write(u64::from(self.first_step));
+        write(u64::from(self.ends_step));
+        write(u64::from(self.alone));
         for word in [seed, iterations, u64::from(stopped)] {
             write(word);
         }
@@ -113,6 +124,8 @@ impl View {
     ) -> Result<Self, MemoryError> {
         let config = model.config();
         let first_step = read.below(u64::from(config.horizon_steps))? as u32;
+        let ends_step = read.below(1 << 32)? as u32;
+        let alone = read.flag()?;
         let (seed, iterations, stopped) = (read.word()?, read.word()?, read.flag()?);
         let (steps, confirmed_steps, success) = (read.real()?, read.real()?, read.real()?);
         let (start_steps, bound_steps) = (read.real()?, read.real()?);
@@ -143,6 +156,8 @@ impl View {
             (0..read.count()?).map(|_| read.word()).collect();
         Ok(Self {
             first_step,
+            ends_step,
+            alone,
             plan,
             known: known?,
             rounds,

@@ -11,7 +11,7 @@ pub mod baselines;
 #[cfg(feature = "baselines")]
 pub use baselines::*;
 mod charge;
-pub use charge::stays_to_charge;
+pub use charge::{charge_to_leave_uj, stays_to_charge};
 pub mod geometry;
 pub mod head;
 pub mod memory;

@@ -8,16 +8,19 @@
 //! A team of m UAVs over a hotspot reaches the quorum in a step with probability q(m). The wait is
 //! a race: each step adds -ln(1 - q(m)) to a sum, until the sum reaches -ln(U) with U uniform in
 //! (0, 1]. Teams over the same hotspot add up, and teams in radio contact share what they know.
+//!
+//! Batteries are settled in the samples. A member whose battery runs low flies home, charges, and
+//! goes on with the round. The charge with which it leaves the depot is part of the rounds.
 
 use alloc::vec;
 use alloc::vec::Vec;
 
+use jcas_core::motion::nearest;
 use jcas_core::{Cell, Model};
 use jcas_policy::memory::save_cell;
 use jcas_policy::{MemoryError, MemoryReader};
 
 use crate::anneal::Settings;
-use crate::battery;
 use crate::draws::Draws;
 use crate::formation::Recorder;
 use crate::objective::Expectation;
@@ -25,8 +28,11 @@ use crate::paths::Paths;
 use crate::problem::Problem;
 use crate::routes::nearest_first;
 
+mod charging;
+mod crew;
 mod race;
 
+use charging::{Charging, Duty};
 use race::{Race, hazards};
 
 /// The maximum number of hotspots, whose set is one integer.
@@ -37,18 +43,26 @@ const TEAMS_MAX: usize = 8;
 const SAMPLES: usize = 32;
 const FINAL_SAMPLES: usize = 200;
 /// Moves of the annealing of trajectories that take as long as one comparison of rounds.
-const MOVES_PER_COMPARISON: u64 = 40;
+const MOVES_PER_COMPARISON: u64 = 10;
+
+/// A member of a team, as it was when the team was formed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Member {
+    uav: usize,
+    cell: Cell,
+    charge_uj: u64,
+}
 
 /// A team on its round, from the step at which it was formed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Team {
-    members: Vec<usize>,
-    cell: Cell,
+    members: Vec<Member>,
     first_step: u32,
     /// The hotspots known to the team when it was formed, one bit each.
     known: u64,
     /// Hotspots in the order of its visits.
     route: Vec<usize>,
+    charging: Charging,
 }
 
 /// The rounds of all teams of a fleet.
@@ -61,28 +75,27 @@ pub(crate) struct Rounds {
 pub(crate) struct Planned {
     pub(crate) rounds: Rounds,
     pub(crate) expected: Expectation,
+    /// The longest of the samples in steps.
+    pub(crate) longest: u32,
     pub(crate) paths: Paths,
 }
 
-/// Plans rounds of the movers of a problem. Other UAVs go on with their shared rounds.
+/// Plans rounds of the movers of a problem, beside the rounds of the others.
 ///
-/// There is none if a battery may run low, or if UAVs are neither movers nor on shared rounds.
-/// `initial` are the trajectories that the others are assumed to follow.
+/// There is none if all hotspots are known. `initial` are the trajectories that the others are
+/// assumed to follow.
 pub(crate) fn plan(
     problem: &Problem<'_>,
     hotspots: &[Cell],
     known: &[bool],
-    shared: Option<&Rounds>,
+    others: &[Team],
     initial: &Paths,
     settings: &Settings,
 ) -> Option<Planned> {
-    let (situation, steps) = (&problem.situation, problem.steps_left as usize);
-    let lasts = |&uav: &usize| battery::never_low(problem.model, situation.charges_uj[uav], steps);
     let movers = &problem.movers;
-    if hotspots.len() > HOTSPOTS_MAX || movers.is_empty() || !movers.iter().all(lasts) {
+    if hotspots.len() > HOTSPOTS_MAX || movers.is_empty() {
         return None;
     }
-    let others = others(movers, shared, situation.cells.len())?;
     let known = bits(known);
     let open: Vec<usize> = (0..hotspots.len())
         .filter(|&h| known >> h & 1 == 0)
@@ -96,10 +109,11 @@ pub(crate) fn plan(
     let most = (movers.len() / problem.model.config().quorum as usize).max(1);
     for count in 1..=most.min(open.len()).min(TEAMS_MAX) {
         let mut teams = form(problem, hotspots, &open, known, count);
-        teams.extend(others.iter().cloned());
+        teams.extend_from_slice(others);
         let rounds = Rounds { teams };
-        let steps = race.expect(&rounds).steps;
-        if best.as_ref().is_none_or(|best| steps < best.0) {
+        let least = best.as_ref().map_or(f64::INFINITY, |best| best.0);
+        let steps = race.times(&rounds, least).expected.steps;
+        if steps < least {
             best = Some((steps, rounds, count));
         }
     }
@@ -107,31 +121,33 @@ pub(crate) fn plan(
     let mut least = steps;
     for _ in 0..settings.iterations / MOVES_PER_COMPARISON {
         let mut moved = rounds.clone();
-        if !moved.change(own, problem, hotspots, &mut draws) {
+        if !moved.change(own, problem, &mut draws) {
             continue;
         }
-        let steps = race.expect(&moved).steps;
+        let steps = race.times(&moved, least).expected.steps;
         if steps <= least {
             (rounds, least) = (moved, steps);
         }
     }
-    let expected = Race::new(problem, hotspots, FINAL_SAMPLES, &mut draws).expect(&rounds);
+    let race = Race::new(problem, hotspots, FINAL_SAMPLES, &mut draws);
+    let times = race.times(&rounds, f64::INFINITY);
     let paths = rounds.paths(own, problem, hotspots, initial);
     Some(Planned {
         rounds,
-        expected,
+        expected: times.expected,
+        longest: times.longest,
         paths,
     })
 }
 
 /// Returns the teams that remain without some UAVs. There are none if a UAV is in no team.
-fn others(movers: &[usize], shared: Option<&Rounds>, uavs: usize) -> Option<Vec<Team>> {
+pub(crate) fn others(movers: &[usize], shared: Option<&Rounds>, uavs: usize) -> Option<Vec<Team>> {
     if movers.len() == uavs {
         return Some(Vec::new());
     }
     let mut teams = shared?.teams.clone();
     for team in &mut teams {
-        team.members.retain(|uav| !movers.contains(uav));
+        team.members.retain(|member| !movers.contains(&member.uav));
     }
     teams.retain(|team| !team.members.is_empty());
     let members: usize = teams.iter().map(|team| team.members.len()).sum();
@@ -154,30 +170,29 @@ fn form(
     let situation = &problem.situation;
     let mut movers = problem.movers.clone();
     movers.sort_by_key(|&uav| (problem.odds.index(situation.cells[uav]), uav));
-    let first_step = situation.step;
+    let member = |&uav: &usize| Member {
+        uav,
+        cell: situation.cells[uav],
+        charge_uj: situation.charges_uj[uav],
+    };
+    let part =
+        |team: usize| &movers[team * movers.len() / count..(team + 1) * movers.len() / count];
     let mut teams: Vec<Team> = (0..count)
-        .map(|team| {
-            let members =
-                movers[team * movers.len() / count..(team + 1) * movers.len() / count].to_vec();
-            Team {
-                cell: situation.cells[members[0]],
-                members,
-                first_step,
-                known,
-                route: Vec::new(),
-            }
+        .map(|team| Team {
+            members: part(team).iter().map(member).collect(),
+            first_step: situation.step,
+            known,
+            route: Vec::new(),
+            charging: Charging::as_policies(problem.model),
         })
         .collect();
     let hazard = hazards(problem);
     let wait = |team: &Team| 1.0 / hazard[team.members.len()].max(1e-9);
-    let starts: Vec<Cell> = teams.iter().map(|team| team.cell).collect();
+    let starts: Vec<Cell> = teams.iter().map(|team| team.members[0].cell).collect();
     let waits: Vec<f64> = teams.iter().map(wait).collect();
     let routes = nearest_first(&starts, &waits, hotspots, open.to_vec());
     for (team, route) in teams.iter_mut().zip(routes) {
         team.route = route;
-    }
-    for team in &mut teams {
-        team.settle(problem, hotspots);
     }
     teams
 }
@@ -186,13 +201,17 @@ impl Rounds {
     pub(crate) fn save(&self, write: &mut dyn FnMut(u64)) {
         write(self.teams.len() as u64);
         for team in &self.teams {
-            save_cell(write, team.cell);
             write(u64::from(team.first_step));
             write(team.known);
-            for list in [&team.members, &team.route] {
-                write(list.len() as u64);
-                list.iter().for_each(|&index| write(index as u64));
+            team.charging.save(write);
+            write(team.members.len() as u64);
+            for member in &team.members {
+                write(member.uav as u64);
+                save_cell(write, member.cell);
+                write(member.charge_uj);
             }
+            write(team.route.len() as u64);
+            team.route.iter().for_each(|&hotspot| write(hotspot as u64));
         }
     }
 
@@ -201,75 +220,56 @@ impl Rounds {
         read: &mut MemoryReader<'_>,
         model: &Model<'_>,
     ) -> Result<Self, MemoryError> {
-        let hotspots = model.hotspot_count();
-        if hotspots > HOTSPOTS_MAX {
+        if model.hotspot_count() > HOTSPOTS_MAX {
             return Err(MemoryError::Corrupt);
         }
-        let mut teams = Vec::new();
-        for _ in 0..read.count()? {
-            let (cell, first_step) = (
-                read.cell(model)?,
-                read.below(u64::from(model.config().horizon_steps))? as u32,
-            );
-            let known = read.word()?;
-            let mut list = |limit: usize| -> Result<Vec<usize>, MemoryError> {
-                (0..read.count()?).map(|_| read.index(limit)).collect()
-            };
-            let (members, route) = (list(model.uav_count())?, list(hotspots)?);
-            if members.is_empty() {
-                return Err(MemoryError::Corrupt);
-            }
-            teams.push(Team {
-                members,
-                cell,
-                first_step,
-                known,
-                route,
-            });
-        }
+        let teams = (0..read.count()?).map(|_| Team::load(read, model));
+        let teams = teams.collect::<Result<_, _>>()?;
         Ok(Self { teams })
     }
-}
 
-impl Team {
-    /// Takes the member that is farthest from the first hotspot for the team's cell.
-    fn settle(&mut self, problem: &Problem<'_>, hotspots: &[Cell]) {
-        let cells = &problem.situation.cells;
-        let target = self
-            .route
-            .first()
-            .map_or(cells[self.members[0]], |&h| hotspots[h]);
-        let farthest = self
-            .members
-            .iter()
-            .max_by_key(|&&uav| cells[uav].manhattan(target));
-        self.cell = farthest.map_or(target, |&uav| cells[uav]);
+    /// Returns where a UAV with this charge flies to from a cell, and whether it senses there.
+    ///
+    /// There is nothing if it is in no team, or if its team knew all hotspots.
+    pub(crate) fn order(
+        &self,
+        model: &Model<'_>,
+        hotspots: &[Cell],
+        uav: usize,
+        (here, charge_uj): (Cell, u64),
+    ) -> Option<(Cell, bool)> {
+        let of = |team: &Team| team.members.iter().position(|member| member.uav == uav);
+        let (team, place) = self.teams.iter().find_map(|team| Some((team, of(team)?)))?;
+        if team.charging.duty(model, here, charge_uj) == Duty::Home {
+            return Some((model.depots()[nearest(here, model.depots()).0], false));
+        }
+        let target = match team.route.first() {
+            Some(&hotspot) => hotspots[hotspot],
+            None => nearest_open(team.known, hotspots, team.members[place].cell)?,
+        };
+        Some((target, here.manhattan(target) <= 1))
     }
-}
 
-impl Rounds {
     /// Makes one random change in the first teams, those of the component that plans. Returns
     /// whether there was any.
-    fn change(
-        &mut self,
-        own: usize,
-        problem: &Problem<'_>,
-        hotspots: &[Cell],
-        draws: &mut Draws,
-    ) -> bool {
+    fn change(&mut self, own: usize, problem: &Problem<'_>, draws: &mut Draws) -> bool {
         let (from, to) = (draws.below(own), draws.below(own));
-        let kind = draws.below(4);
+        let kind = draws.below(5);
         let length = self.teams[from].route.len();
         if kind == 0 {
             if from == to || self.teams[from].members.len() < 2 {
                 return false;
             }
             let at = draws.below(self.teams[from].members.len());
-            let uav = self.teams[from].members.swap_remove(at);
-            self.teams[to].members.push(uav);
+            let member = self.teams[from].members.swap_remove(at);
+            self.teams[to].members.push(member);
+        } else if kind == 1 {
+            let before = self.teams[from].charging;
+            self.teams[from].charging = Charging::drawn(problem.model, draws);
+            return self.teams[from].charging != before;
         } else if length == 0 {
             return false;
-        } else if kind == 1 {
+        } else if kind == 2 {
             let (a, b) = (draws.below(length), draws.below(length));
             if a == b {
                 return false;
@@ -280,12 +280,11 @@ impl Rounds {
             let place = draws.below(self.teams[to].route.len() + 1);
             self.teams[to].route.insert(place, hotspot);
         }
-        self.teams[from].settle(problem, hotspots);
-        self.teams[to].settle(problem, hotspots);
         true
     }
 
-    /// Returns trajectories that fly each mover to the first hotspot of its team, to stay there.
+    /// Returns trajectories of the movers to the first hotspots of their teams, where they stay as
+    /// long as their batteries last.
     fn paths(
         &self,
         own: usize,
@@ -294,24 +293,51 @@ impl Rounds {
         initial: &Paths,
     ) -> Paths {
         let odds = &problem.odds;
-        let mut targets = vec![None; problem.situation.cells.len()];
-        for team in &self.teams[..own] {
-            for &uav in &team.members {
-                let target = team.route.first().map(|&hotspot| hotspots[hotspot]);
-                targets[uav] = target.or_else(|| nearest_open(team.known, hotspots, team.cell));
-            }
+        let mut moves = vec![false; problem.situation.cells.len()];
+        for member in self.teams[..own].iter().flat_map(|team| &team.members) {
+            moves[member.uav] = true;
         }
         let mut recorder = Recorder::new(problem, odds.highest());
         while !recorder.is_full() {
             let step = recorder.step() + 1;
-            let cells: Vec<Cell> = (0..targets.len()).map(|uav| recorder.cell(uav)).collect();
-            recorder.fly_as(|uav| match targets[uav] {
-                Some(target) if cells[uav].manhattan(target) > 1 => (target, 0),
-                Some(target) => (target, odds.highest()),
-                None => (odds.cell(initial.cell(uav, step)), initial.level(uav, step)),
-            });
+            let order = |uav: usize| {
+                let at = (recorder.cell(uav), recorder.charge_uj(uav));
+                let own = moves[uav].then(|| self.order(problem.model, hotspots, uav, at));
+                match own.flatten() {
+                    Some((target, senses)) => (target, if senses { odds.highest() } else { 0 }),
+                    None => (odds.cell(initial.cell(uav, step)), initial.level(uav, step)),
+                }
+            };
+            let orders: Vec<(Cell, u8)> = (0..moves.len()).map(order).collect();
+            recorder.fly_as(|uav| orders[uav]);
         }
         recorder.finish()
+    }
+}
+
+impl Team {
+    fn load(read: &mut MemoryReader<'_>, model: &Model<'_>) -> Result<Self, MemoryError> {
+        let first_step = read.below(u64::from(model.config().horizon_steps))? as u32;
+        let (known, charging) = (read.word()?, Charging::load(read)?);
+        let mut members = Vec::new();
+        for _ in 0..read.count()? {
+            members.push(Member {
+                uav: read.index(model.uav_count())?,
+                cell: read.cell(model)?,
+                charge_uj: read.word()?,
+            });
+        }
+        if members.is_empty() {
+            return Err(MemoryError::Corrupt);
+        }
+        let route = (0..read.count()?).map(|_| read.index(model.hotspot_count()));
+        Ok(Self {
+            members,
+            first_step,
+            known,
+            route: route.collect::<Result<_, _>>()?,
+            charging,
+        })
     }
 }
 
