@@ -3,7 +3,7 @@
 #
 #   snippets.sh PREFIX    where the library is installed
 #
-# Every fenced block of C and C++ is a whole program. Of Rust the README's first block is.
+# Every fenced block of C and C++ is a whole program. Of Rust the first block of docs/rust.md is.
 set -euo pipefail
 
 prefix=$1
@@ -41,7 +41,7 @@ done
 ((programs >= 8)) || { echo "only $programs programs found" >&2; exit 1; }
 
 cargo init --quiet --vcs none --name snippet rust
-cp README-1.rust rust/src/main.rs
+cp rust-1.rust rust/src/main.rs
 cd rust
 cargo add --quiet --path "$root/core" --features alloc jcas-core
 cargo run --quiet

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The README's first command: the report and what it shows are there.
+# The tour: the report and what it shows are there.
 set -euo pipefail
 
 out=$(mktemp -d)

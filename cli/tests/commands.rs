@@ -467,15 +467,37 @@ fn every_preset_flies_its_default_policy() {
 }
 
 #[test]
+fn the_readme_shows_what_its_commands_print() {
+    let readme = include_str!("../../README.md");
+    let (_, block) = readme.split_once("```console\n").unwrap();
+    let (block, _) = block.split_once("```").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut commands = 0;
+    for part in block.split("$ cargo run --release -p jcas-cli -- ").skip(1) {
+        let (command, shown) = part.split_once('\n').unwrap();
+        let arguments: Vec<&str> = command.split(' ').collect();
+        let told = succeed(folder.path(), &arguments);
+        let lines = told.lines().map(str::trim_end);
+        assert_eq!(
+            shown.trim_end(),
+            lines.collect::<Vec<_>>().join("\n"),
+            "{command}"
+        );
+        commands += 1;
+    }
+    assert_eq!(commands, 2);
+}
+
+#[test]
 fn every_report_names_preset_hash_and_command() {
     let folder = tempfile::tempdir().unwrap();
     let small = ["--preset=search", "--set=horizon_steps=9", "--uavs=3"];
-    for (command, more) in [
-        ("simulate", "--episodes=2"),
-        ("plan", "--iterations=10"),
-        ("sweep", "--episodes=1"),
+    for command in [
+        ["simulate", "--episodes=2"].as_slice(),
+        &["plan", "--iterations=10"],
+        &["sweep", "--episodes=1", "--hotspots=3", "--no-figures"],
     ] {
-        let arguments = [&[command, more], small.as_slice()].concat();
+        let arguments = [command, small.as_slice()].concat();
         let line = format!("jcas {}", arguments.join(" "));
         let report = json(&succeed(
             folder.path(),
