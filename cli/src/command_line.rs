@@ -1,5 +1,5 @@
-//! The command line of this process, which reports in text state. JSON does not, since equal results
-//! are equal bytes there.
+//! The command line of this process, which reports in text state. JSON does not, since equal
+//! results are equal bytes there.
 
 /// Returns the command as a shell takes it.
 #[must_use]

@@ -73,8 +73,8 @@ fn small_batteries(horizon_steps: u32) -> Config {
     }
 }
 
-/// Where rounds had to last for the whole horizon, fixed trajectories took their place. They took 42
-/// steps in these episodes, and other fleets of this kind waited until the horizon.
+/// Where rounds had to last for the whole horizon, fixed trajectories took their place. They took
+/// 42 steps in these episodes, and other fleets of this kind waited until the horizon.
 #[test]
 fn batteries_need_not_last_until_the_horizon() {
     let steps = replanned(small_batteries(686), 0..3);

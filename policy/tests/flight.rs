@@ -60,7 +60,7 @@ const MISSION: &[u8] = include_bytes!("../../policies/mission/policy.safetensors
 const PAPER: &[u8] = include_bytes!("../../policies/paper/policy.safetensors");
 
 // In these episodes a fleet that may turn back without a new confirmation flies to and fro
-// between two cells for ever, undecided where to go next.
+// between two cells for ever. It stays undecided where to go next.
 #[test]
 fn an_undecided_fleet_goes_on() {
     let seeds = [0x1a36_af05_ddbd_c71c, 0x0d4e_c01e_770a_7f8a];

@@ -207,7 +207,7 @@ mod tests {
         }
     }
 
-    /// θ UAVs that know of a report leave for its cell and come back after sensing it; a UAV that
+    /// θ UAVs that know of a report leave for its cell and come back after sensing it. A UAV that
     /// knows of none is never called.
     #[test]
     fn those_who_know_answer_and_return() {
