@@ -61,7 +61,7 @@ def test_each_quantity_shows(change):
     )
 
 
-def test_informed_hotspots_are_green_and_undetected_ones_are_red():
+def test_informed_hotspots_are_green_and_unconfirmed_ones_are_red():
     start = scene()
     done = dataclasses.replace(start, confirmed=np.ones(5, bool), informed=np.ones(5, bool))
     before, after = (render.draw(moment)[24:-24, 24:696].astype(int) for moment in (start, done))
@@ -154,7 +154,7 @@ def test_the_legend_names_everything_that_is_drawn(monkeypatch):
     render.draw(scene())
     told = " ".join(written)
     for word in (
-        "communicates", "senses", "undetected", "confirmed", "informed", "share that knows",
+        "communicates", "senses", "unconfirmed", "confirmed", "informed", "share that knows",
         "battery", "returning",
         "grounded", "depot", "link", "moves", "detects", "visited cells",
     ):  # fmt: skip

@@ -238,9 +238,7 @@ def _draw_trail(image: Any, plan: _Plan) -> None:
         for x, y, to_x, to_y in moves:
             if (x, y) != (to_x, to_y):
                 ends = (*plan.centre(x, y), *plan.centre(to_x, to_y))
-                canvas.line(
-                    ends, fill=(*sprites.COMMUNICATING, alpha), width=max(2, plan.cell // 18)
-                )
+                canvas.line(ends, fill=(*sprites.DEPOT, alpha), width=max(2, plan.cell // 18))
 
 
 def _draw_hotspot(image: Any, plan: _Plan, number: int, centre: Point) -> None:
@@ -248,7 +246,9 @@ def _draw_hotspot(image: Any, plan: _Plan, number: int, centre: Point) -> None:
 
     scene = plan.scene
     informed, confirmed = bool(scene.informed[number]), bool(scene.confirmed[number])
-    color = sprites.INFORMED if informed else sprites.CONFIRMED if confirmed else sprites.UNSEEN
+    color = (
+        sprites.INFORMED if informed else sprites.CONFIRMED if confirmed else sprites.UNCONFIRMED
+    )
     knowing = (
         round(float(scene.share_knowing[number]) * sprites.SOC_LEVELS)
         if confirmed and not informed
@@ -316,7 +316,7 @@ def _draw_panel(image: Any, plan: _Plan) -> None:
     y = plan.top
     sprites.write(image, (left, y), f"Step {scene.t} of {scene.horizon_steps}", 21, sprites.INK)
     if scene.outcome:
-        color = sprites.INFORMED if scene.outcome == "success" else sprites.UNSEEN
+        color = sprites.INFORMED if scene.outcome == "success" else sprites.LOW
         sprites.write(image, (right, y + 5), scene.outcome, 15, color, "ra")
     y += 33
     _bar(
@@ -390,18 +390,18 @@ def _draw_legend(image: Any, left: int, right: int, y: int, searched_by: str) ->
         image.paste(color, (x, y, x + 1, y + 7))
     y += 19
     canvas = ImageDraw.Draw(image)
-    half, violet = sprites.SOC_LEVELS // 2, sprites.PILOT_RAMP[1]
+    half, middle = sprites.SOC_LEVELS // 2, sprites.ramp(sprites.PILOT_RAMP, 0.5)
     symbols: list[tuple[str, Any]] = [
-        ("hotspot undetected", sprites.hotspot(6.0, sprites.UNSEEN, 0)),
-        ("hotspot confirmed", sprites.hotspot(6.0, sprites.CONFIRMED, 0)),
-        ("hotspot informed", sprites.hotspot(6.0, sprites.INFORMED, 0)),
+        ("unconfirmed", sprites.hotspot(6.0, sprites.UNCONFIRMED, 0)),
+        ("confirmed", sprites.hotspot(6.0, sprites.CONFIRMED, 0)),
+        ("informed", sprites.hotspot(6.0, sprites.INFORMED, 0)),
         ("share that knows", sprites.hotspot(6.0, sprites.CONFIRMED, half)),
-        ("UAV, ring: battery", ("uav", violet, 0.7, False)),
-        ("UAV returning", ("uav", violet, 0.7, True)),
+        ("UAV, ring: battery", ("uav", middle, 0.7, False)),
+        ("UAV returning", ("uav", middle, 0.7, True)),
         ("UAV grounded", ("uav", sprites.GROUNDED, 0.0, False)),
         ("depot", sprites.depot(15.0)),
         ("link between cells", ("line", sprites.LINK)),
-        ("last moves", ("line", sprites.COMMUNICATING)),
+        ("last moves", ("line", sprites.DEPOT)),
         (
             "detects 1 in 10",
             ("area", sprites.ramp((sprites.WHITE, sprites.SENSING), SENSING_ALPHA / 255)),

@@ -20,17 +20,19 @@ MUTED = (110, 120, 135)
 PAPER = (246, 247, 250)
 WHITE = (255, 255, 255)
 LINE = (228, 232, 239)
-LINK = (20, 148, 146)
-DEPOT = (71, 85, 105)
-UNSEEN = (222, 62, 92)
-CONFIRMED = (240, 160, 32)
-INFORMED = (34, 158, 94)
-LOW = (214, 64, 69)
-COMMUNICATING = (57, 106, 214)
-SENSING = (244, 114, 32)
+# What follows has the colours of the replay page.
+COMMUNICATING = (31, 105, 201)
+SENSING = (224, 123, 0)
+LINK = COMMUNICATING
+DEPOT = (98, 110, 132)
+UNCONFIRMED = (156, 63, 122)
+CONFIRMED = (194, 37, 122)
+INFORMED = (10, 125, 89)
+BATTERY = (61, 74, 97)
+LOW = (207, 42, 42)
 GROUNDED = (148, 155, 166)
 SEARCHED = (223, 233, 247)
-PILOT_RAMP = (COMMUNICATING, (160, 108, 196), SENSING)
+PILOT_RAMP = (COMMUNICATING, SENSING)
 SOC_LEVELS = 32
 
 
@@ -46,8 +48,8 @@ def ramp(stops: tuple[Color, ...], share: float) -> Color:
 
 
 def battery_color(soc: float) -> Color:
-    """Red where a battery is nearly empty, green where it is not."""
-    return ramp((LOW, CONFIRMED, INFORMED), (soc - 0.1) / 0.5)
+    """Red where a battery is nearly empty."""
+    return ramp((LOW, BATTERY), (soc - 0.15) / 0.15)
 
 
 def put(image: Any, what: Any, centre: tuple[float, float], mask: Any = None) -> None:
@@ -149,17 +151,28 @@ def _ring(radius: float, soc_level: int) -> Any:
 
 @lru_cache(256)
 def hotspot(half: float, color: Color, knowing_level: int) -> Any:
-    """Draw a hotspot as a diamond. An arc shows the fraction of the fleet that knows it."""
-    board, canvas, middle = _board(2 * half * 1.15 + 4)
+    """Draw a hotspot as a square, dashed until it is confirmed.
+
+    A bar along its bottom shows the fraction of the fleet that knows it.
+    """
+    board, canvas, middle = _board(2 * half + 4)
     s = SMOOTHING
-    h = half * s
-    tips = [(middle, middle - h), (middle + h, middle), (middle, middle + h), (middle - h, middle)]
-    width = max(round(half * 0.13 * s), s)
-    canvas.polygon(tips, fill=(*color, 60 if color == UNSEEN else 130))
-    canvas.line([*tips, tips[0], tips[1]], fill=color, width=width, joint="curve")
+    h, width = half * 0.88 * s, max(round(half * 0.13 * s), s)
+    low, high = middle - h, middle + h
+    if color == UNCONFIRMED:
+        canvas.rectangle(_box(middle, h), fill=(*color, 40))
+        dash = 2 * h / 5
+        for start in (low, low + 2 * dash, low + 4 * dash):
+            for side in (low, high):
+                canvas.line([start, side, start + dash, side], fill=color, width=width)
+                canvas.line([side, start, side, start + dash], fill=color, width=width)
+    else:
+        canvas.rounded_rectangle(
+            _box(middle, h), radius=h / 4, fill=(*color, 80), outline=color, width=width
+        )
     if knowing_level:
-        end = -90 + 360 * knowing_level / SOC_LEVELS
-        canvas.arc(_box(middle, half * 1.12 * s), -90, end, fill=INFORMED, width=width)
+        end = low + 2 * h * knowing_level / SOC_LEVELS
+        canvas.line([low, high - width, end, high - width], fill=color, width=2 * width)
     return _smoothed(board)
 
 
