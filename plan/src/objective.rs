@@ -162,7 +162,8 @@ pub(crate) fn fewer_than(count: usize, chances: impl Iterator<Item = f64>) -> f6
     exactly.iter().sum()
 }
 
-/// Returns the hazard -ln(1 - q) of a look, whose sums over the steps give the chance of a miss.
+/// Returns the hazard -ln(1 - q) of an observation. Its sum over the steps gives the chance of
+/// a miss.
 ///
 /// q is the chance that a quorum of some UAVs detects a hotspot, each with probability p.
 pub(crate) fn hazard(quorum: usize, uavs: usize, p: f64) -> f64 {

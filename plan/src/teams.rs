@@ -61,14 +61,14 @@ pub(crate) fn tours(problem: &Problem<'_>, levels: &[u8], watch: &mut Watch<'_>)
 
 /// A fleet in teams of nearly equal size.
 ///
-/// Let q be the chance that a quorum of a team detects a hotspot in a look from a cell. It adds
+/// Let q be the chance that a quorum of a team detects a hotspot from a cell in one step. It adds
 /// -ln(1 - q) to the hazard of the hotspot.
 struct Teams<'p, 'm> {
     problem: &'p Problem<'m>,
     count: usize,
     /// The cell of each team before the first step.
     starts: Vec<Cell>,
-    /// What a look of each team adds, by the offset of the hotspot from the team.
+    /// What a step of each team adds, by the offset of the hotspot from the team.
     hazards: Vec<Vec<f64>>,
 }
 
@@ -209,7 +209,7 @@ impl Flight {
     }
 }
 
-/// Returns the hazard of a look of a number of UAVs in one cell, by the offset of a hotspot.
+/// Returns the hazard of one step of a number of UAVs in one cell, by the offset of a hotspot.
 fn hazards(problem: &Problem<'_>, members: usize) -> Vec<f64> {
     let (odds, config) = (&problem.odds, problem.model.config());
     let quorum = config.quorum as usize;

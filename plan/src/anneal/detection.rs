@@ -44,7 +44,7 @@ impl Annealer<'_, '_> {
     }
 
     /// Computes the chances of a miss in a step and so far, and F, from B and D.
-    pub(super) fn look(&mut self, step: usize) {
+    pub(super) fn sense(&mut self, step: usize) {
         let stride = self.problem.odds.stride();
         let (level, cell) = (
             self.paths.level(self.uav, step),

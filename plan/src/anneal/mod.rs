@@ -217,7 +217,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         let mut window = steps;
         for step in 1..=steps {
             self.fix_others(step);
-            self.look(step);
+            self.sense(step);
             self.find_parts(step);
             self.meet(step);
             self.account(step);
@@ -242,7 +242,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         }
         for step in first..=self.window {
             if step <= last {
-                self.look(step);
+                self.sense(step);
             } else {
                 self.accumulate(step);
             }

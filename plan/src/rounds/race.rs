@@ -127,7 +127,7 @@ impl<'p, 'm> Race<'p, 'm> {
         let mut confirmed = None;
         for step in begin.unwrap_or(now)..now + self.problem.steps_left {
             self.fly(&mut episode, step);
-            self.look(&mut episode, step, limits);
+            self.sense(&mut episode, step, limits);
             if step < now {
                 continue;
             }
@@ -188,7 +188,7 @@ impl<'p, 'm> Race<'p, 'm> {
     }
 
     /// Adds the hazards of the crews that have reached their hotspots.
-    fn look(&self, episode: &mut Episode<'_>, step: u32, limits: &[f64]) {
+    fn sense(&self, episode: &mut Episode<'_>, step: u32, limits: &[f64]) {
         let (limits, limits_of_one) = limits.split_at(self.hotspots.len());
         let there = |crew: &Crew<'_>| {
             let target = crew.target?;

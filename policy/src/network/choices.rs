@@ -1,4 +1,4 @@
-//! Choices in turn: a UAV reads what its neighbours with lower indices have chosen.
+//! Sequential choices: a UAV reads what its neighbours with lower indices have chosen.
 
 use jcas_core::action::motion;
 

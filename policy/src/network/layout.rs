@@ -56,7 +56,7 @@ pub(crate) struct Set {
     pub(crate) neighbour: [Layer; 2],
     pub(crate) hotspot: [Layer; 3],
     pub(crate) own: Layer,
-    /// The bilinear form of the attention between hotspots, if UAVs choose in turn.
+    /// The bilinear form of the attention between hotspots, if UAVs choose sequentially.
     pub(crate) relation: Option<Layer>,
     pub(crate) others: Layer,
     pub(crate) score: Layer,
@@ -87,7 +87,7 @@ struct Reader<'f, 'w> {
     len: usize,
     /// Arrays read so far.
     count: usize,
-    /// Whether UAVs choose in turn.
+    /// Whether UAVs choose sequentially.
     choices: bool,
 }
 
@@ -307,7 +307,7 @@ fn finite(array: ArrayName, index: usize, value: f32) -> Result<(), LoadError> {
 
 /// Lays out the network of a file, and stores its weights if `weights` is given, which must have
 /// the exact length. Returns the network, its head and that length. `choices` says whether UAVs
-/// choose in turn.
+/// choose sequentially.
 pub(crate) fn read(
     file: File<'_>,
     choices: bool,
