@@ -48,8 +48,8 @@ mod writer;
 
 pub use call::CallLine;
 pub use error::{Problem, VerifyError};
-pub use line::{EndLine, Escaped, FORMAT_VERSION, Hashes, HeaderLine, StepLine};
-pub use reader::configuration;
+pub use line::{CHECKSUM, EndLine, Escaped, FORMAT, FORMAT_VERSION, Hashes, HeaderLine, StepLine};
+pub use reader::{configuration, hexadecimal};
 pub use replay::{Lines, Replay};
 pub use workspace::{Arguments, Workspace, WorkspaceSizes};
 pub use writer::{Sink, Writer};

@@ -9,10 +9,12 @@ use jcas_core::{
 
 use crate::number::Real;
 
+/// The name of the format, in every header.
+pub const FORMAT: &str = "jcas-trace";
 /// The version of the format.
 pub const FORMAT_VERSION: u32 = 1;
 /// The separator between the bytes under the checksum and the checksum.
-pub(crate) const CHECKSUM: &str = ",\"checksum\":\"0x";
+pub const CHECKSUM: &str = ",\"checksum\":\"0x";
 
 /// Fingerprints of a state and of its observations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,9 +121,9 @@ impl Display for HeaderLine<'_> {
         let Self { model, state, .. } = self;
         write!(
             out,
-            "{{\"kind\":\"header\",\"format\":\"jcas-trace\",\"format_version\":{},\
+            "{{\"kind\":\"header\",\"format\":\"{FORMAT}\",\"format_version\":{FORMAT_VERSION},\
              \"core_version\":\"{}\",\"config\":",
-            FORMAT_VERSION, self.core_version
+            self.core_version
         )?;
         config(out, model.config())?;
         write!(

@@ -18,7 +18,8 @@ pub fn configuration(trace: &str) -> Result<Config, VerifyError<'_>> {
 }
 
 /// Reads sixteen hexadecimal digits in lower case.
-pub(crate) fn hexadecimal(digits: &str) -> Option<u64> {
+#[must_use]
+pub fn hexadecimal(digits: &str) -> Option<u64> {
     let legal = digits.len() == 16
         && digits
             .bytes()

@@ -54,7 +54,9 @@ struct Frame<'a> {
 
 impl<'a> Episode<'a> {
     pub(super) fn of(trace: &'a Trace) -> Result<Self, TraceError> {
-        let Trace { header, steps, end } = trace;
+        let Trace {
+            header, steps, end, ..
+        } = trace;
         let mut line = 2;
         for step in steps {
             line += step.host.len();

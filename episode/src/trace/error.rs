@@ -3,9 +3,9 @@
 use core::fmt;
 
 use jcas_core::Printable;
-use jcas_trace::FORMAT_VERSION;
+use jcas_trace::{FORMAT, FORMAT_VERSION};
 
-use super::format::{FORMAT, Hex};
+use super::format::Hex;
 
 /// The reason why a trace cannot be recorded, read or replayed.
 #[derive(Debug)]

@@ -1,8 +1,7 @@
-//! The lines of a trace.
+//! What a trace says: a view of its lines.
 
 use core::fmt;
 
-use jcas_core::hash::Fnv1a;
 use jcas_core::reward::{COMPONENTS, NAMES};
 use jcas_core::{Cell, Config, Metrics};
 use serde::de::{Error as _, MapAccess, Visitor};
@@ -11,12 +10,11 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::host::Host;
 
-/// The name of the format, in every header.
-pub const FORMAT: &str = "jcas-trace";
-
-/// A complete trace.
+/// A complete trace: its text, and what its lines say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
+    /// The bytes of the file, which a replay repeats.
+    pub text: String,
     /// The configuration, the policy's name, and the state before the first step.
     pub header: Header,
     /// The steps; step t is at index t − 1.
@@ -25,44 +23,13 @@ pub struct Trace {
     pub end: End,
 }
 
-impl Trace {
-    /// Returns the file's text, which ends with the checksum of the preceding text.
-    #[must_use]
-    pub fn to_text(&self) -> String {
-        let mut text = json(&self.header) + "\n";
-        for step in &self.steps {
-            step.host
-                .iter()
-                .for_each(|call| text += &(json(call) + "\n"));
-            text += &(json(step) + "\n");
-        }
-        self.end
-            .host
-            .iter()
-            .for_each(|call| text += &(json(call) + "\n"));
-        let end = json(&self.end);
-        text += &end[..end.rfind(CHECKSUM_KEY).unwrap_or(end.len())];
-        let mut hash = Fnv1a::new();
-        hash.write(text.as_bytes());
-        text + CHECKSUM_KEY + &json(&Hex(hash.finish())) + "}\n"
-    }
-}
-
-/// The bytes between the checksum and the bytes that it covers.
-pub(super) const CHECKSUM_KEY: &str = ",\"checksum\":";
-
-/// Serialises a line of strings, finite numbers and lists of them, which always have a JSON text.
-fn json(line: &impl Serialize) -> String {
-    serde_json::to_string(line).expect("a line of a trace has a JSON text")
-}
-
 /// The first line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Header {
     /// Always `header`.
     pub kind: String,
-    /// Always [`FORMAT`].
+    /// Always [`FORMAT`](super::FORMAT).
     pub format: String,
     /// Always [`FORMAT_VERSION`](super::FORMAT_VERSION).
     pub format_version: u32,
@@ -212,13 +179,7 @@ impl<'de> Deserialize<'de> for Hex {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
         text.strip_prefix("0x")
-            .filter(|digits| {
-                digits.len() == 16
-                    && digits
-                        .bytes()
-                        .all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
-            })
-            .and_then(|digits| u64::from_str_radix(digits, 16).ok())
+            .and_then(jcas_trace::hexadecimal)
             .map(Self)
             .ok_or_else(|| D::Error::custom(format!("\"{text}\": must be 0x and sixteen digits")))
     }

@@ -13,6 +13,9 @@
 //! kernel's state. `checksum` in the last line is the same hash over all bytes that come before
 //! `,"checksum"`.
 //!
+//! The crate `jcas-trace` writes the text and repeats it. A [`Trace`] keeps the text as it is, and is
+//! a view of what its lines say.
+//!
 //! This module needs neither threads nor the file system, so that traces are checked on any target.
 
 mod compare;
@@ -24,8 +27,8 @@ mod record;
 
 pub use compare::{Difference, diff};
 pub use error::TraceError;
-pub use format::{End, FORMAT, Header, Hex, Initial, Rewards, Step, Trace};
+pub use format::{End, Header, Hex, Initial, Rewards, Step, Trace};
 pub use host::Host;
-pub use jcas_trace::FORMAT_VERSION;
+pub use jcas_trace::{CHECKSUM, FORMAT, FORMAT_VERSION};
 pub use read::read;
 pub use record::{EpisodeRecorder, record, rerecord, verify};

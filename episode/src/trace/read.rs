@@ -4,12 +4,12 @@ use std::io::BufRead;
 
 use jcas_core::hash::Fnv1a;
 use jcas_core::host::Call;
-use jcas_trace::FORMAT_VERSION;
+use jcas_trace::{CHECKSUM, FORMAT, FORMAT_VERSION};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::error::TraceError;
-use super::format::{CHECKSUM_KEY, End, FORMAT, Header, Hex, Step, Trace};
+use super::format::{End, Header, Hex, Step, Trace};
 use super::host::Host;
 
 /// The part of a line that determines the form of the rest.
@@ -26,15 +26,14 @@ struct Probe {
 /// # Errors
 /// Every [`TraceError`] except those of the kernel.
 pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
-    let mut hash = Fnv1a::new();
     let mut header: Option<Header> = None;
     let mut steps = Vec::new();
     let mut end: Option<End> = None;
     let mut host = Vec::new();
-    let mut text = String::new();
+    let mut whole = String::new();
     for line in 1.. {
-        text.clear();
-        match input.read_line(&mut text) {
+        let begin = whole.len();
+        match input.read_line(&mut whole) {
             Ok(0) => break,
             Ok(_) => {}
             Err(error) if error.kind() == std::io::ErrorKind::InvalidData => {
@@ -42,6 +41,7 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
             }
             Err(error) => return Err(error.into()),
         }
+        let text = &whole[begin..];
         if end.is_some() {
             return Err(TraceError::Trailing { line });
         }
@@ -49,26 +49,19 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
             break;
         }
         let Some(header) = &header else {
-            header = Some(read_header(&text)?);
-            hash.write(text.as_bytes());
+            header = Some(read_header(text)?);
             continue;
         };
-        match parse::<Probe>(&text, line)?.kind.as_str() {
+        match parse::<Probe>(text, line)?.kind.as_str() {
             "step" => {
-                let mut step: Step = parse(&text, line)?;
+                let mut step: Step = parse(text, line)?;
                 check_step(&step, header, steps.len() + 1, line)?;
                 step.host = std::mem::take(&mut host);
                 steps.push(step);
-                hash.write(text.as_bytes());
             }
-            "end" => {
-                end = Some(read_end(&text, std::mem::take(&mut host), line)?);
-                let covered = text.rfind(CHECKSUM_KEY).unwrap_or(text.len());
-                hash.write(&text.as_bytes()[..covered]);
-            }
+            "end" => end = Some(read_end(text, std::mem::take(&mut host), line)?),
             kind if Call::KINDS.contains(&kind) => {
-                host.push(read_host(&text, header, line)?);
-                hash.write(text.as_bytes());
+                host.push(read_host(text, header, line)?);
             }
             other => {
                 return Err(malformed(
@@ -80,6 +73,9 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
     }
     let header = header.ok_or(TraceError::Empty)?;
     let end = end.ok_or(TraceError::Truncated { steps: steps.len() })?;
+    let covered = whole.rfind(CHECKSUM).unwrap_or(whole.len());
+    let mut hash = Fnv1a::new();
+    hash.write(&whole.as_bytes()[..covered]);
     let computed = Hex(hash.finish());
     if end.checksum != computed {
         return Err(TraceError::Checksum {
@@ -87,7 +83,12 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
             computed,
         });
     }
-    Ok(Trace { header, steps, end })
+    Ok(Trace {
+        text: whole,
+        header,
+        steps,
+        end,
+    })
 }
 
 /// Reads the last line. `host` holds the calls since the last step.

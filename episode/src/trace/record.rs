@@ -66,10 +66,9 @@ pub fn rerecord(trace: &Trace) -> Result<Vec<u8>, TraceError> {
             matrix: &mut vec![0; sizes.matrix],
         },
     };
-    let recorded = trace.to_text();
     let mut text = Vec::new();
     let mut writer = Writer::new(Output(&mut text));
-    match Replay::new(&model, &mut words, &mut scratch, workspace).fly(&recorded, &mut writer) {
+    match Replay::new(&model, &mut words, &mut scratch, workspace).fly(&trace.text, &mut writer) {
         Ok(()) => {}
         // The file continues after the end of the episode.
         Err(VerifyError {
