@@ -88,6 +88,8 @@ pub fn a_blocks_sets_are_those_of_its_uavs() {
 
 /// Most cells of a grid whose offsets are bytes.
 const CELLS: usize = 256;
+/// The widest grid of the proof, which is the widest square one whose offsets are bytes.
+const WIDTH_MAX: u32 = 16;
 
 const fn indices() -> [u64; CELLS] {
     let mut table = [0; CELLS];
@@ -108,7 +110,7 @@ fn any_cell(width: u32, height: u32) -> Cell {
 
 /// In any grid of a width, the index of an offset is |Δy| · width + |Δx|, in bytes and in words,
 /// and lies in the grid.
-fn indexes_the_offset<const W: usize>(width: u32) {
+fn indexes_the_offset<const W: usize>(width: u32) -> u32 {
     let height = between(1, CELLS as u64 / u64::from(width)) as u32;
     let (from, to) = (any_cell(width, height), any_cell(width, height));
     let rows = Cells::of(&[from.to_word(); W]).rows(width);
@@ -117,6 +119,7 @@ fn indexes_the_offset<const W: usize>(width: u32) {
     let lane = between(0, W as u64 - 1) as usize;
     assert!(offset < width * height);
     assert!(words[lane] == offset && u32::from(bytes[lane]) == offset);
+    offset
 }
 
 /// A gather reads the entry of the offset. Each entry of this table is its own index.
@@ -136,11 +139,22 @@ fn gathers_the_offset<const W: usize>(width: u32, height: u32) -> u64 {
 
 /// The width is a constant of each turn, so that no product is symbolic.
 #[cfg_attr(kani, kani::proof)]
-#[cfg_attr(kani, kani::unwind(257))]
-pub fn a_gather_stays_within_its_table() {
-    for width in 1..=CELLS as u32 {
-        indexes_the_offset::<2>(width);
+#[cfg_attr(kani, kani::unwind(17))]
+pub fn an_offset_is_an_index_of_the_grid() {
+    for width in 1..=WIDTH_MAX {
+        let offset = indexes_the_offset::<2>(width);
+        kani::cover!(offset == 0, "the same cell");
+        kani::cover!(offset == 255, "the opposite corner");
     }
+    if !cfg!(kani) {
+        indexes_the_offset::<FLOWN>(between(1, CELLS as u64) as u32);
+        indexes_the_offset::<1>(between(1, CELLS as u64) as u32);
+    }
+}
+
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(17))]
+pub fn a_gather_stays_within_its_table() {
     let offset = gathers_the_offset::<2>(12, 12);
     kani::cover!(offset == 0, "the same cell");
     kani::cover!(offset == 143, "the opposite corner");
@@ -154,5 +168,6 @@ pub fn a_gather_stays_within_its_table() {
 super::standin::twins! {
     a_block_loads_and_stores_its_own_uavs: 4000 cases, 3 covers;
     a_blocks_sets_are_those_of_its_uavs: 4000 cases, 3 covers;
-    a_gather_stays_within_its_table: 100 cases, 2 covers;
+    an_offset_is_an_index_of_the_grid: 1000 cases, 2 covers;
+    a_gather_stays_within_its_table: 4000 cases, 2 covers;
 }

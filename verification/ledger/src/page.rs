@@ -110,11 +110,12 @@ pub fn summary(ledger: &Ledger, results: &Results, now: &Sources) -> String {
              on older ones."
         )
     };
+    let minutes = (seconds / 60.0).ceil();
+    let unit = if minutes == 1.0 { "minute" } else { "minutes" };
     format!(
         "{count}\n\
          Every check of each holds, and every cover is reached.\n\
-         Together these {current} took {:.0} minutes by the clock of a busy machine.\n",
-        seconds / 60.0,
+         Together they took {minutes:.0} {unit} by the clock of a busy machine.\n",
     )
 }
 
@@ -213,6 +214,9 @@ mod tests {
             "{told}"
         );
         assert!(told.contains("took 2 minutes"), "{told}");
+        results.outcome[0].seconds = Some(30.0);
+        let told = summary(&ledger, &results, &now);
+        assert!(told.contains("took 1 minute by"), "{told}");
         results.prune(&ledger);
         assert_eq!(results.outcome.len(), 3);
     }

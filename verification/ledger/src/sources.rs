@@ -34,13 +34,25 @@ impl Sources {
     /// Comments on lines of their own, blank lines and indentation do not count: no proof depends
     /// on them.
     pub fn fingerprint(&self, program: &[String]) -> Option<String> {
-        let mut imported = BTreeSet::new();
+        let (mut imported, mut proofs) = (BTreeSet::new(), BTreeSet::new());
         for path in program {
-            imported.extend(imports(self.0.get(path)?));
+            for declaration in imports(self.0.get(path)?) {
+                let words = words(declaration);
+                let names_proofs = is_proof(path) && declaration.starts_with("super::")
+                    || words.contains("proofs");
+                let modules = if names_proofs {
+                    &mut proofs
+                } else {
+                    &mut imported
+                };
+                modules.extend(words);
+            }
         }
         let mut hash = Fnv1a(0xcbf2_9ce4_8422_2325);
         for (path, text) in &self.0 {
-            if program.contains(path) || imported.contains(module(path)) {
+            // A module of proofs has the name of what it proves: `crate::lanes` is not its path.
+            let modules = if is_proof(path) { &proofs } else { &imported };
+            if program.contains(path) || modules.contains(module(path)) {
                 hash.write(path.as_bytes());
                 for line in lines(text) {
                     hash.write(line.as_bytes());
@@ -63,20 +75,28 @@ fn module(path: &str) -> &str {
     path.rsplit('/').next().unwrap_or(path)
 }
 
-/// Every word of a text's `use` declarations and of its paths from the crate's root.
-fn imports(text: &str) -> BTreeSet<&str> {
-    let mut words = BTreeSet::new();
+/// Whether a file is one of harnesses.
+fn is_proof(path: &str) -> bool {
+    path.contains("/proofs/")
+}
+
+const fn is_word(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_'
+}
+
+/// The words of a declaration.
+fn words(declaration: &str) -> BTreeSet<&str> {
+    declaration.split(|c| !is_word(c)).collect()
+}
+
+/// A text's `use` declarations and its paths from the crate's root.
+fn imports(text: &str) -> Vec<&str> {
     let text = text.split("#[cfg(test)]\nmod ").next().unwrap_or(text);
-    let is_word = |c: char| c.is_alphanumeric() || c == '_';
-    for part in text.split("use ").skip(1) {
-        let declaration = part.split(';').next().unwrap_or(part);
-        words.extend(declaration.split(|c| !is_word(c)));
-    }
-    for part in text.split("crate::").skip(1) {
-        let path = part.split(|c| !is_word(c) && c != ':').next();
-        words.extend(path.unwrap_or(part).split("::"));
-    }
-    words
+    let uses = text.split("use ").skip(1);
+    let uses = uses.map(|part| part.split(';').next().unwrap_or(part));
+    let paths = text.split("crate::").skip(1);
+    let paths = paths.filter_map(|part| part.split(|c| !is_word(c) && c != ':').next());
+    uses.chain(paths).collect()
 }
 
 /// Adds the Rust files at or below a path.
@@ -130,6 +150,25 @@ mod tests {
         ]);
         files.insert(changed.to_owned(), text.to_owned());
         Sources(files).fingerprint(&["src/energy.rs".to_owned()])
+    }
+
+    /// Catches a change of a proof that makes the verdicts of its neighbours old, or not its own.
+    #[test]
+    fn a_proof_counts_where_it_is_named() {
+        let hash_with = |lanes: &str, inputs: &str| {
+            let fleet = "use super::inputs::between;\nuse crate::lanes::Block;\nfn f() {}\n";
+            let files = [
+                ("src/proofs/fleet.rs", fleet),
+                ("src/proofs/lanes.rs", lanes),
+                ("src/proofs/inputs.rs", inputs),
+                ("src/lanes.rs", "struct Block;\n"),
+            ];
+            let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
+            Sources(files.into()).fingerprint(&["src/proofs/fleet.rs".to_owned()])
+        };
+        let now = hash_with("fn l() {}", "fn between() {}");
+        assert_eq!(hash_with("fn other() {}", "fn between() {}"), now);
+        assert_ne!(hash_with("fn l() {}", "fn other() {}"), now);
     }
 
     /// Catches a change of code that goes unseen, and one elsewhere that makes a verdict old.
