@@ -24,6 +24,9 @@ LC_ALL=C.UTF-8 nothing git grep --line-number -I --perl-regexp \
     -- .ci '*.rs' '*.md' '*.py' '*.c' '*.cc' '*.cpp' '*.h' '*.hpp' \
     '*.js' '*.mjs' '*.toml' '*.yml' '*.cmake' "${by_hand[@]}"
 
+# Marks of a merge that was not settled.
+nothing git grep --line-number -I --extended-regexp '^(<<<<<<<|>>>>>>>) '
+
 # Subjects of commits: `area: imperative change`, at most 72 columns.
 nothing grep --perl-regexp --invert-match '^(?!.{73})[a-z0-9][a-z0-9_./, -]*: [a-z].*[^.]$' \
     <(git log --no-merges --max-count 100 --format=%s)

@@ -18,8 +18,7 @@ pub fn stays_to_charge(model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> b
 /// Returns the charge in µJ at which a UAV leaves a depot.
 ///
 /// It is full, or enough above the return-to-base threshold to cross the grid (width + height - 2
-/// moves). Without a threshold or a charger it
-/// is 0.
+/// moves). Without a threshold or a charger it is 0.
 #[must_use]
 pub fn charge_to_leave_uj(model: &Model<'_>) -> f64 {
     let config = model.config();
