@@ -898,6 +898,43 @@ typedef struct jcas_plan_info {
     double bound_steps;
 } jcas_plan_info;
 
+/// The buffers that a rollout writes, for M environments. Each pointer is followed by its number of
+/// elements. Optional buffers may be NULL with a count of 0. No buffer may overlap another buffer
+/// or the actions.
+typedef struct jcas_rollout_out {
+    /// sizeof(jcas_rollout_out).
+    uint32_t struct_size;
+    /// Reserved; set it to 0.
+    uint32_t reserved;
+    /// M: the sum of the team rewards of the steps made.
+    double *returns;
+    /// Elements of returns.
+    size_t return_count;
+    /// M: the number of steps made, which is smaller where an episode ended; optional.
+    uint32_t *steps;
+    /// Elements of steps.
+    size_t step_count;
+    /// M: 1 where the episode has ended because every hotspot is confirmed and informed, else 0;
+    /// optional.
+    uint8_t *terminated;
+    /// Elements of terminated.
+    size_t terminated_count;
+    /// M: 1 where the episode has ended at the horizon, else 0; optional.
+    uint8_t *truncated;
+    /// Elements of truncated.
+    size_t truncated_count;
+    /// M: the metrics of the episode up to the last state; optional.
+    struct jcas_metrics *metrics;
+    /// Elements of metrics.
+    size_t metrics_count;
+    /// sizeof(jcas_metrics), or 0 without metrics.
+    size_t metrics_size;
+    /// M * snapshot_size: the last states, in the format of jcas_batch_save; optional.
+    void *snapshots;
+    /// Bytes of snapshots.
+    size_t snapshots_size;
+} jcas_rollout_out;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -2299,6 +2336,56 @@ JCAS_API jcas_status jcas_plan_free(struct jcas_plan *plan);
 
 /** @} */
 
+/** @defgroup futures Futures of a state
+ *  @{ */
+
+/// Copies the state of a simulation of an equal configuration into every environment of a batch,
+/// where jcas_batch_rollout can continue it.
+///
+/// `batch`, `sim`: not NULL. `seeds`: M, or NULL with a count of 0. NULL keeps the seed, so that
+/// equal actions give equal futures. Otherwise all later draws of environment m follow from
+/// `seeds[m]`; what was drawn before stays, such as the hotspots. jcas_derive_seed gives seeds.
+/// `policy`: NULL, or a policy of the same configuration; what it remembers of `sim` is copied for
+/// every environment. JCAS_ERROR_MEMORY means that it remembers another state than the one of `sim`
+/// or the one before it. After JCAS_ERROR_RESOURCES the states are copied, but not all memory is:
+/// call jcas_policy_forget.
+/// Threads: only this one uses `batch` and `policy`, none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, MEMORY, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_fork(struct jcas_batch *batch,
+                            const struct jcas_sim *sim,
+                            struct jcas_policy *policy,
+                            const uint64_t *seeds,
+                            size_t seed_count);
+
+/// Steps every environment `steps` times, or until its episode ends. A policy chooses the actions,
+/// or they are given. An environment whose episode has ended already makes no step.
+///
+/// The results are those of jcas_policy_act_batch and jcas_batch_step in turn, and do not depend on
+/// the threads. Each thread takes one environment after the other through all its steps, and makes
+/// no observation that no policy reads.
+///
+/// `batch`, `out`: not NULL; see jcas_rollout_out. `policy`: of the same configuration, or NULL if
+/// the actions are given. `actions`: M * steps * action_len, environment by environment, then step
+/// by step; or NULL with a count of 0 if there is a policy. `steps`: at least 1. Arguments are
+/// checked before any environment steps, and so is what the policy remembers. If a network output
+/// is not finite (JCAS_ERROR_NAN) or a policy finds no memory (JCAS_ERROR_RESOURCES), that
+/// environment stays where it is. The others go on, and the outputs are written.
+/// Threads: only this one uses `batch` and `policy`; see jcas_batch_step.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH,
+/// OUT_OF_ORDER, RESOURCES, FORKED, MEMORY.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_rollout(struct jcas_batch *batch,
+                               struct jcas_policy *policy,
+                               const float *actions,
+                               size_t action_count,
+                               uint32_t steps,
+                               const struct jcas_rollout_out *out);
+
+/** @} */
+
 #ifdef __cplusplus
 }  // extern "C"
 #endif  // __cplusplus
@@ -2308,18 +2395,20 @@ JCAS_API jcas_status jcas_plan_free(struct jcas_plan *plan);
 /* The rules of every function
  *
  * Statuses. Every function that can fail returns a jcas_status: JCAS_OK (0) or a negative
- *   JCAS_ERROR_... code. An error leaves every output, buffer and handle unchanged, with two
- *   exceptions. One is the length of a text that did not fit. The other is the actions of
- *   jcas_policy_act_batch if a network output is not finite. `Statuses:` at a declaration lists the
- *   errors that it can return, without JCAS_ERROR_. INTERNAL is always possible, and so is BUSY if
- *   a jcas_sim, jcas_batch, jcas_policy or jcas_plan is passed.
+ *   JCAS_ERROR_... code. An error leaves every output, buffer and handle unchanged, with three
+ *   exceptions. One is the length of a text that did not fit. Another is the actions of
+ *   jcas_policy_act_batch if a network output is not finite. The third is jcas_batch_fork and
+ *   jcas_batch_rollout with a policy, which say what an error leaves. `Statuses:` at a declaration
+ *   lists the errors that it can return, without JCAS_ERROR_. INTERNAL is always possible, and so
+ *   is BUSY if a jcas_sim, jcas_batch, jcas_policy or jcas_plan is passed.
  * Memory. ..._new takes memory from the system. ..._init builds in memory of the caller, whose size
  *   ..._layout returns. ..._free ends both kinds. Every other object must end before its model,
  *   except a jcas_plan, which has its own copy of all that it needs. The library keeps no pointer
  *   that is passed in, with three exceptions: the memory of ..._init, the model of an object, and
  *   the pointers in a jcas_recorder. Only ..._new, jcas_policy_load and jcas_policy_follow
  *   allocate, in one piece for each object. A program with its own allocator therefore uses
- *   ..._layout and ..._init. Baselines and jcas_plan_... plan on the heap (jcas_policy_baseline).
+ *   ..._layout and ..._init. Baselines and jcas_plan_... plan on the heap (jcas_policy_baseline),
+ *   and so does jcas_batch_rollout with any policy.
  *   Threads of a batch have stacks from the system. If the system refuses memory or threads, the
  *   status is RESOURCES; nothing aborts, with one exception. Annealing and reading a plan begin by
  *   asking the system for the most that they can take, and return RESOURCES if it is refused. If

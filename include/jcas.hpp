@@ -508,6 +508,39 @@ private:
     jcas_model_info info_;
 };
 
+/// What the environments of a batch made in a rollout; see jcas_rollout_out.
+struct futures {
+    explicit futures(std::size_t environments)
+        : returns(environments), steps(environments), terminated(environments),
+          truncated(environments), metrics(environments)
+    {
+    }
+
+    std::vector<double> returns;
+    std::vector<std::uint32_t> steps;
+    std::vector<std::uint8_t> terminated;
+    std::vector<std::uint8_t> truncated;
+    std::vector<jcas_metrics> metrics;
+
+    /// The addresses and lengths as the C interface takes them.
+    jcas_rollout_out buffers() noexcept
+    {
+        auto out = detail::sized<jcas_rollout_out>();
+        out.returns = returns.data();
+        out.return_count = returns.size();
+        out.steps = steps.data();
+        out.step_count = steps.size();
+        out.terminated = terminated.data();
+        out.terminated_count = terminated.size();
+        out.truncated = truncated.data();
+        out.truncated_count = truncated.size();
+        out.metrics = metrics.data();
+        out.metrics_count = metrics.size();
+        out.metrics_size = sizeof(jcas_metrics);
+        return out;
+    }
+};
+
 /// An owner of a jcas_batch and of the buffers that its steps write. One thread at a time may use
 /// it.
 class batch {
@@ -570,6 +603,19 @@ public:
     status copy_from(std::uint32_t index, const sim &from)
     {
         return jcas_batch_set(get(), index, from.get());
+    }
+
+    /// Copies a simulation into every environment; see jcas_batch_fork.
+    status fork(const sim &from, span<const std::uint64_t> seeds = {})
+    {
+        return jcas_batch_fork(get(), from.get(), nullptr, seeds.data(), seeds.size());
+    }
+
+    /// Steps every environment by given actions; see jcas_batch_rollout.
+    status roll_out(span<const float> actions, std::uint32_t steps, futures &into)
+    {
+        const jcas_rollout_out out = into.buffers();
+        return jcas_batch_rollout(get(), nullptr, actions.data(), actions.size(), steps, &out);
     }
 
     // Generated from jcas_batch_out by ffi/examples/generate_header.rs; do not edit.
@@ -800,6 +846,20 @@ public:
         if (code != JCAS_OK)
             return {code};
         return memory;
+    }
+
+    /// Copies a simulation, and what this policy remembers of it, into every environment of a batch;
+    /// see jcas_batch_fork.
+    status fork(const sim &from, batch &into, span<const std::uint64_t> seeds = {})
+    {
+        return jcas_batch_fork(into.get(), from.get(), get(), seeds.data(), seeds.size());
+    }
+
+    /// Steps every environment of a batch by this policy; see jcas_batch_rollout.
+    status roll_out(batch &batch, std::uint32_t steps, futures &into)
+    {
+        const jcas_rollout_out out = into.buffers();
+        return jcas_batch_rollout(batch.get(), get(), nullptr, 0, steps, &out);
     }
 
     /// Loads what an equal policy remembered in the state of this simulation.

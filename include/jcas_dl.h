@@ -120,5 +120,7 @@ typedef jcas_status jcas_plan_get_cells_fn(const struct jcas_plan *plan, struct 
 typedef jcas_status jcas_plan_get_pilot_densities_fn(const struct jcas_plan *plan, double *densities, size_t count);
 typedef jcas_status jcas_policy_follow_fn(const struct jcas_model *model, const struct jcas_plan *plan, struct jcas_policy **policy);
 typedef jcas_status jcas_plan_free_fn(struct jcas_plan *plan);
+typedef jcas_status jcas_batch_fork_fn(struct jcas_batch *batch, const struct jcas_sim *sim, struct jcas_policy *policy, const uint64_t *seeds, size_t seed_count);
+typedef jcas_status jcas_batch_rollout_fn(struct jcas_batch *batch, struct jcas_policy *policy, const float *actions, size_t action_count, uint32_t steps, const struct jcas_rollout_out *out);
 
 #endif

@@ -41,7 +41,7 @@ use crate::rules::reward::COMPONENTS;
 use crate::state::header::{self, HeaderRef, Phase};
 use crate::state::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
-use crate::step;
+use crate::step::{self, StepOutcome};
 use crate::words::rng::derive_seed;
 
 /// Declares the outputs of a batch step once. Each has a name, a type, and a number of elements for
@@ -282,6 +282,31 @@ impl Model<'_> {
             let out = out.environment(m, &lens);
             self.step_one(words, scratch, actions, auto_reset, out)?;
         }
+        Ok(())
+    }
+
+    /// Does the same as [`Model::step`], compiled into its caller and so for the caller's instruction
+    /// set.
+    ///
+    /// # Errors
+    /// The errors of [`Model::step`].
+    #[inline(always)]
+    pub fn step_inline(
+        &self,
+        state: &mut StateMut<'_>,
+        scratch: &mut Scratch<'_>,
+        actions: &[f32],
+    ) -> Result<StepOutcome, Error> {
+        step::step_inline(self, state, scratch, actions)
+    }
+
+    /// Gives a state another seed, from which all further draws follow. What was drawn before
+    /// stays, such as the hotspots and the carbon intensity of the coming step.
+    ///
+    /// # Errors
+    /// The errors of [`Model::state`].
+    pub fn reseed(&self, words: &mut [u64], seed: u64) -> Result<(), Error> {
+        self.state_mut(words)?.header.set_seed(seed);
         Ok(())
     }
 

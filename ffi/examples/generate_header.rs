@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs, process};
 
 /// The first item of each group of the header, and the group's name and title.
-const GROUPS: [(&str, &str, &str); 16] = [
+const GROUPS: [(&str, &str, &str); 17] = [
     ("JCAS_VERSION_MAJOR", "constants", "Constants"),
     ("JCAS_OK", "status", "Statuses"),
     (
@@ -31,6 +31,7 @@ const GROUPS: [(&str, &str, &str); 16] = [
     ("jcas_batch_new", "batch", "Batches"),
     ("jcas_batch_reset", "batch_step", "Steps of a batch"),
     ("jcas_policy_layout", "policy", "Policies"),
+    ("jcas_batch_fork", "futures", "Futures of a state"),
 ];
 
 fn main() {

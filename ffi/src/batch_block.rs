@@ -15,10 +15,11 @@ use std::slice;
 use jcas_core::batch::BatchOut;
 use jcas_core::{Error, Metrics, Model, Scratch, action, hash};
 
-use crate::batch_job::{BatchJob, Runner, check_ready};
+use crate::batch_job::{BatchJob, Crew, Runner, check_between_steps, check_ready};
 use crate::handle::{Block, Kind, Memory, check};
 use crate::in_use::{Changing, InUse, Reading};
 use crate::model_block::ModelBlock;
+use crate::rollout_job::{ActionSource, RolloutBatch, RolloutJob, RolloutOut};
 use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_FORKED, JCAS_ERROR_RESOURCES};
 use crate::sync::AtomicBool;
 use crate::thread_pool::{Thread, ThreadPool, join, processors, start};
@@ -441,6 +442,60 @@ impl Batch {
         Ok(())
     }
 
+    /// Returns who does the work of this batch, in the process that built it.
+    fn crew(&self) -> Crew<'static> {
+        match self.shape.runner {
+            Some(runner) => Crew::Runner(runner),
+            None if self.shape.threads == 0 => Crew::Caller,
+            // SAFETY: the block lives as long as the batch; its threads share the pool with a call.
+            None => Crew::Pool(unsafe { &(*self.block).pool }),
+        }
+    }
+
+    /// Puts a state in the place of every environment, with seeds of their own or its seed.
+    pub(crate) fn fork(&mut self, words: &[u64], seeds: &[u64]) -> Result<(), Fault> {
+        let BatchMut { model, states, .. } = self.parts_mut();
+        for (m, state) in states.chunks_exact_mut(model.state_words()).enumerate() {
+            state.copy_from_slice(words);
+            if let Some(&seed) = seeds.get(m) {
+                model.reseed(state, seed)?;
+            }
+        }
+        (0..self.shape.count).for_each(|index| self.renew(index));
+        Ok(())
+    }
+
+    /// Steps every environment several times, until its episode ends.
+    pub(crate) fn roll_out(
+        &mut self,
+        steps: usize,
+        source: ActionSource<'_>,
+        out: RolloutOut<'_>,
+    ) -> Result<(), Fault> {
+        if self.is_forked() {
+            return Err(Fault::Status(JCAS_ERROR_FORKED));
+        }
+        let (crew, timelines) = (self.crew(), self.part(self.parts.timelines));
+        // SAFETY: laid out behind the block, initialised when it was built; no step changes them.
+        let timelines = unsafe { slice::from_raw_parts(timelines, self.shape.count) };
+        let BatchMut {
+            model,
+            states,
+            scratch,
+            taken,
+            ..
+        } = self.parts_mut();
+        check_between_steps(model, states)?;
+        let batch = RolloutBatch {
+            model,
+            timelines,
+            states,
+            scratch,
+        };
+        source.check(steps, &batch)?;
+        RolloutJob::new(batch, steps, source, out, taken).run(crew)
+    }
+
     /// Steps every environment and passes the metrics of each ended episode to `ended`, if it is
     /// present.
     pub(crate) fn step(
@@ -454,10 +509,7 @@ impl Batch {
         if self.is_forked() {
             return Err(Fault::Status(JCAS_ERROR_FORKED));
         }
-        let shape = self.shape;
-        // SAFETY: the block lives as long as the batch; its threads share the pool with this call.
-        let pool = (shape.threads > 0).then(|| unsafe { &(*self.block).pool });
-        let ready = self.ready;
+        let (crew, ready) = (self.crew(), self.ready);
         let open = self.parts_mut();
         // Every environment is checked first, as no share may refuse after another has stepped.
         action::refuse_nan(actions)?;
@@ -483,7 +535,7 @@ impl Batch {
             },
             open.taken,
         );
-        job.run(pool, shape.runner)?;
+        job.run(crew)?;
         if metrics_wanted {
             for (m, metrics) in self.parts_mut().metrics.iter_mut().enumerate() {
                 if metrics.terminated || metrics.truncated {

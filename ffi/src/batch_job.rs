@@ -1,4 +1,4 @@
-//! One step of a batch, divided into shares that any number of threads may take.
+//! Work on a batch, divided into shares that any number of threads may take, and one step of it.
 
 use std::ffi::c_void;
 use std::marker::PhantomData;
@@ -28,11 +28,22 @@ impl Runner {
     }
 }
 
+/// Who does the work of a batch.
+#[derive(Clone, Copy)]
+pub(crate) enum Crew<'a> {
+    /// The caller's thread alone.
+    Caller,
+    /// The batch's own threads, with the caller's.
+    Pool(&'a ThreadPool),
+    /// The caller's function.
+    Runner(Runner),
+}
+
 /// The start of an optional buffer.
-struct Begin<T>(Option<*mut T>);
+pub(crate) struct Begin<T>(Option<*mut T>);
 
 impl<T> Begin<T> {
-    fn of(buffer: &mut [T]) -> Self {
+    pub(crate) fn of(buffer: &mut [T]) -> Self {
         Self((!buffer.is_empty()).then_some(buffer.as_mut_ptr()))
     }
 
@@ -40,7 +51,7 @@ impl<T> Begin<T> {
     ///
     /// # Safety
     /// The buffer is as long as the batch needs, and no two shares ask for the same range.
-    unsafe fn part<'a>(&self, range: &Range, each: usize) -> &'a mut [T] {
+    pub(crate) unsafe fn part<'a>(&self, range: &Range, each: usize) -> &'a mut [T] {
         match self.0 {
             None => &mut [],
             // SAFETY: within the buffer by the caller's promise.
@@ -51,14 +62,30 @@ impl<T> Begin<T> {
     }
 }
 
-/// Returns the environments of a share.
-struct Range {
-    begin: usize,
-    end: usize,
+/// A range of environments.
+pub(crate) struct Range {
+    pub(crate) begin: usize,
+    pub(crate) end: usize,
 }
 
 impl Range {
-    const fn len(&self) -> usize {
+    /// Returns the environments of a share, of `count`.
+    pub(crate) const fn of_share(count: usize, index: usize, shares: usize) -> Self {
+        Self {
+            begin: count * index / shares,
+            end: count * (index + 1) / shares,
+        }
+    }
+
+    /// Returns the element of a share in a buffer with one for each.
+    pub(crate) const fn one(index: usize) -> Self {
+        Self {
+            begin: index,
+            end: index + 1,
+        }
+    }
+
+    pub(crate) const fn len(&self) -> usize {
         self.end - self.begin
     }
 }
@@ -106,6 +133,35 @@ impl<'a> Shares<'a> {
             self.failed.store(true, Ordering::Relaxed);
         }
         self.finished.fetch_add(1, Ordering::Release);
+    }
+
+    /// Does the work of every share. `task` takes a share of the job behind `context`.
+    pub(crate) fn run(
+        &self,
+        crew: Crew<'_>,
+        task: Task,
+        context: *mut c_void,
+        work: impl FnMut(usize) -> Result<(), Error>,
+    ) -> Result<(), Fault> {
+        let job = Job {
+            task,
+            context,
+            count: self.len() as u32,
+        };
+        match crew {
+            Crew::Caller => {}
+            Crew::Pool(pool) => pool.run(job),
+            Crew::Runner(runner) => {
+                runner.run(job);
+                if !self.any_taken() {
+                    return Err(Fault::Because(
+                        JCAS_ERROR_ARGUMENT,
+                        "run returned before it had run a task of the step",
+                    ));
+                }
+            }
+        }
+        self.finish(work)
     }
 
     /// Does the work of the shares that no thread has taken, and waits for the others.
@@ -189,47 +245,17 @@ impl<'a> BatchJob<'a> {
         }
     }
 
-    /// Returns the shares as tasks.
-    fn job(&self) -> Job {
-        Job {
-            task: take_share,
-            context: (&raw const *self).cast_mut().cast(),
-            count: self.shares.len() as u32,
-        }
-    }
-
-    /// Steps every environment on the threads of a pool, by the caller's runner or on this thread
-    /// alone.
-    pub(crate) fn run(
-        &self,
-        pool: Option<&ThreadPool>,
-        runner: Option<Runner>,
-    ) -> Result<(), Fault> {
-        if let Some(runner) = runner {
-            runner.run(self.job());
-            if !self.shares.any_taken() {
-                return Err(Fault::Because(
-                    JCAS_ERROR_ARGUMENT,
-                    "run returned before it had run a task of the step",
-                ));
-            }
-        } else if let Some(pool) = pool {
-            pool.run(self.job());
-        }
-        self.shares.finish(|index| self.step(index))
+    /// Steps every environment.
+    pub(crate) fn run(&self, crew: Crew<'_>) -> Result<(), Fault> {
+        let context = (&raw const *self).cast_mut().cast();
+        (self.shares).run(crew, take_share, context, |index| self.step(index))
     }
 
     fn step(&self, index: usize) -> Result<(), Error> {
         let model = self.model;
         let shares = self.shares.len();
-        let range = Range {
-            begin: self.count * index / shares,
-            end: self.count * (index + 1) / shares,
-        };
-        let own = Range {
-            begin: index,
-            end: index + 1,
-        };
+        let range = Range::of_share(self.count, index, shares);
+        let own = Range::one(index);
         let action_len = model.action_len();
         let actions = &self.actions[range.begin * action_len..range.end * action_len];
         // SAFETY: lengths were checked against the model, and only one thread takes a share.
@@ -263,11 +289,21 @@ unsafe extern "C" fn take_share(job: *mut c_void, index: u32) {
     job.shares.take(index, || job.step(index));
 }
 
-/// Whether any environment would refuse a step.
+/// Checks that no environment would refuse a step.
 pub(crate) fn check_ready(model: &Model<'_>, states: &[u64]) -> Result<(), Fault> {
+    check_phases(model, states, false)
+}
+
+/// Checks that no environment is in the middle of a step.
+pub(crate) fn check_between_steps(model: &Model<'_>, states: &[u64]) -> Result<(), Fault> {
+    check_phases(model, states, true)
+}
+
+fn check_phases(model: &Model<'_>, states: &[u64], over: bool) -> Result<(), Fault> {
     for (index, words) in states.chunks_exact(model.state_words()).enumerate() {
         let error = match model.state(words)?.header.phase() {
             Some(Phase::Ready) => continue,
+            Some(phase) if phase.is_over() && over => continue,
             Some(phase) if phase.is_over() => Error::EpisodeOver,
             _ => Error::OutOfOrder {
                 called: "batch_step",

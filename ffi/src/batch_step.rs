@@ -21,7 +21,10 @@ use crate::status::{
 ///
 /// # Safety
 /// As [`BatchBlock::open`].
-unsafe fn change(batch: *mut jcas_batch, act: impl FnOnce(&mut Batch) -> Result<(), Fault>) -> i32 {
+pub(crate) unsafe fn change(
+    batch: *mut jcas_batch,
+    act: impl FnOnce(&mut Batch) -> Result<(), Fault>,
+) -> i32 {
     guard(|| {
         // SAFETY: the caller's promises, passed on.
         let (batch, _mark) = unsafe { BatchBlock::open(batch.cast()) }?;

@@ -42,6 +42,10 @@ mod policy_memory;
 
 mod plan;
 
+mod batch_fork;
+
+mod batch_rollout;
+
 mod batch_block;
 mod batch_buffers;
 mod batch_job;
@@ -57,6 +61,7 @@ mod policy_block;
 #[cfg(any(kani, all(test, not(loom))))]
 mod proofs;
 mod recording;
+mod rollout_job;
 mod scripted;
 mod sim_block;
 mod sync;
@@ -65,6 +70,8 @@ mod timeline;
 
 pub use batch::*;
 pub use batch_buffers::{BATCH_OUT_SOURCE, jcas_batch_out};
+pub use batch_fork::*;
+pub use batch_rollout::*;
 pub use batch_step::*;
 pub use config::*;
 pub use config_text::*;

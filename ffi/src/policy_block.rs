@@ -14,6 +14,7 @@ use jcas_simd::InstructionSet;
 use crate::handle::{Block, Kind, Memory, block_layout, check, words_after};
 use crate::in_use::{Changing, InUse};
 use crate::model_block::ModelBlock;
+use crate::rollout_job::ActionSource;
 use crate::scripted::{Script, Scripted, Whom};
 use crate::status::{Fault, JCAS_ERROR_INTERNAL, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NAN};
 use crate::timeline::Timeline;
@@ -68,8 +69,12 @@ impl Lengths {
         }
     }
 
+    fn memory(&self) -> usize {
+        self.scratch + self.observations
+    }
+
     fn words(&self) -> usize {
-        let floats = LINE_LEN + self.weights + self.scratch + self.observations + self.actions;
+        let floats = LINE_LEN + self.weights + self.memory() + self.actions;
         self.kernel_words + floats.div_ceil(2)
     }
 }
@@ -78,8 +83,8 @@ impl Lengths {
 struct PolicyParts<'a> {
     kernel: &'a mut [u64],
     weights: &'a mut [f32],
-    scratch: &'a mut [f32],
-    observations: &'a mut [f32],
+    /// What [`SharedNetwork::act`] works in.
+    memory: &'a mut [f32],
     actions: &'a mut [f32],
 }
 
@@ -95,13 +100,11 @@ unsafe fn parts<'a>(at: *mut PolicyBlock, lengths: &Lengths) -> PolicyParts<'a> 
     let floats = unsafe { slice::from_raw_parts_mut(rest.as_mut_ptr().cast(), 2 * rest.len()) };
     let line = line_offset(floats);
     let (weights, rest) = floats[line..].split_at_mut(lengths.weights);
-    let (scratch, rest) = rest.split_at_mut(lengths.scratch);
-    let (observations, rest) = rest.split_at_mut(lengths.observations);
+    let (memory, rest) = rest.split_at_mut(lengths.memory());
     PolicyParts {
         kernel,
         weights,
-        scratch,
-        observations,
+        memory,
         actions: &mut rest[..lengths.actions],
     }
 }
@@ -276,6 +279,28 @@ impl PolicyBlock {
         })
     }
 
+    /// Returns the policy as the source of the actions of a batch, whose threads may share it.
+    ///
+    /// # Safety
+    /// As [`PolicyBlock::scripted`].
+    pub(crate) unsafe fn source<'a>(
+        at: *mut Self,
+        model: &Model<'_>,
+        count: usize,
+    ) -> Result<ActionSource<'a>, Fault> {
+        // SAFETY: the caller's promise.
+        unsafe { Self::check_model(at, model) }?;
+        // SAFETY: only the call that holds the policy uses the block.
+        match unsafe { &mut (*at).pilot } {
+            Pilot::Network(learned) => {
+                // SAFETY: the block was laid out with these lengths.
+                let weights = unsafe { parts(at, &learned.lengths) }.weights;
+                Ok(ActionSource::Network(SharedNetwork { learned, weights }))
+            }
+            Pilot::Scripted(scripted) => Ok(ActionSource::Scripted(scripted.environments(count)?)),
+        }
+    }
+
     /// Makes a policy forget what it remembers.
     ///
     /// # Safety
@@ -308,7 +333,14 @@ impl PolicyBlock {
             Pilot::Network(learned) => {
                 // SAFETY: the block was laid out with these lengths.
                 let parts = unsafe { parts(at, &learned.lengths) };
-                fly(learned, parts, model, &state, actions)
+                let network = SharedNetwork {
+                    learned,
+                    weights: parts.weights,
+                };
+                let mut kernel = Scratch::new(model, parts.kernel)?;
+                network.act(model, &state, &mut kernel, parts.memory, parts.actions)?;
+                actions.copy_from_slice(parts.actions);
+                Ok(())
             }
             Pilot::Scripted(scripted) => {
                 scripted.write(whom, model, &state, actions);
@@ -318,27 +350,45 @@ impl PolicyBlock {
     }
 }
 
-fn fly(
-    learned: &Learned,
-    parts: PolicyParts<'_>,
-    model: &Model<'_>,
-    state: &StateRef<'_>,
-    actions: &mut [f32],
-) -> Result<(), Fault> {
-    let mut scratch = Scratch::new(model, parts.kernel)?;
-    observation::observe(model, state, &mut scratch, parts.observations)?;
-    learned
-        .network
-        .act(
-            parts.weights,
-            learned.options,
-            model,
-            state,
-            parts.observations,
-            parts.scratch,
-            parts.actions,
-        )
-        .map_err(fault)?;
-    actions.copy_from_slice(parts.actions);
-    Ok(())
+/// A network whose weights several threads may read, each with working memory of its own.
+#[derive(Clone, Copy)]
+pub(crate) struct SharedNetwork<'a> {
+    learned: &'a Learned,
+    weights: &'a [f32],
+}
+
+impl SharedNetwork<'_> {
+    /// Returns the length of the memory that [`SharedNetwork::act`] works in.
+    pub(crate) fn memory_len(&self) -> usize {
+        self.learned.lengths.memory()
+    }
+
+    /// Observes a state and writes the actions.
+    pub(crate) fn act(
+        &self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        kernel: &mut Scratch<'_>,
+        memory: &mut [f32],
+        actions: &mut [f32],
+    ) -> Result<(), Fault> {
+        let Learned {
+            network,
+            options,
+            lengths,
+        } = *self.learned;
+        let (scratch, observations) = memory.split_at_mut(lengths.scratch);
+        observation::observe(model, state, kernel, observations)?;
+        network
+            .act(
+                self.weights,
+                options,
+                model,
+                state,
+                observations,
+                scratch,
+                actions,
+            )
+            .map_err(fault)
+    }
 }

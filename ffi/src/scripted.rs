@@ -96,7 +96,7 @@ impl Place {
 }
 
 /// A controller, and the place at which it last acted, if it remembers one.
-struct Flown {
+pub(crate) struct Flown {
     controller: Controller,
     acted: Option<Place>,
 }
@@ -104,7 +104,7 @@ struct Flown {
 impl Flown {
     /// Returns whether the controller remembers the state before this one, or this one. It is an
     /// error if it remembers another one. At t = 0 what it remembers does not matter.
-    fn remembers(&self, now: Place) -> Result<bool, Fault> {
+    pub(crate) fn remembers(&self, now: Place) -> Result<bool, Fault> {
         match self.acted {
             Some(acted) if now.step.t > 0 => {
                 if acted.leads_to(now) {
@@ -117,7 +117,13 @@ impl Flown {
         }
     }
 
-    fn plan(&mut self, now: Place, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), Fault> {
+    /// Prepares the actions for a state. This is the part that takes memory.
+    pub(crate) fn plan(
+        &mut self,
+        now: Place,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+    ) -> Result<(), Fault> {
         self.remembers(now)?;
         match &mut self.controller {
             Controller::Baseline(baseline) => baseline.try_plan(model, state)?,
@@ -125,6 +131,14 @@ impl Flown {
         }
         self.acted = self.controller.policy().remembers().then_some(now);
         Ok(())
+    }
+
+    /// Writes the actions that [`Flown::plan`] has prepared.
+    pub(crate) fn write(&self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
+        match &self.controller {
+            Controller::Baseline(baseline) => baseline.write(model, state, actions),
+            Controller::Planned(planned) => planned.write(model, state, actions),
+        }
     }
 }
 
@@ -167,7 +181,14 @@ impl Scripted {
         Ok(&mut self.each[index])
     }
 
-    /// Prepares the actions for a state. This is the part that takes memory.
+    /// Returns the controllers for the environments of a batch, which begin if there are none.
+    pub(crate) fn environments(&mut self, count: usize) -> Result<&mut [Flown], Fault> {
+        let last = count.saturating_sub(1);
+        self.flown(Whom::Environment(last))?;
+        Ok(&mut self.each[1..=count])
+    }
+
+    /// Prepares the actions for a state, as [`Flown::plan`].
     pub(crate) fn plan(
         &mut self,
         whom: Whom,
@@ -187,10 +208,7 @@ impl Scripted {
         state: &StateRef<'_>,
         actions: &mut [f32],
     ) {
-        match &self.each[index_of(whom)].controller {
-            Controller::Baseline(baseline) => baseline.write(model, state, actions),
-            Controller::Planned(planned) => planned.write(model, state, actions),
-        }
+        self.each[index_of(whom)].write(model, state, actions);
     }
 
     /// Makes every controller begin anew in the next state that it acts in.
@@ -236,6 +254,18 @@ impl Scripted {
             flown.controller.policy().save_memory(write);
         }
         Ok(())
+    }
+
+    /// Returns the words of [`Scripted::save`].
+    pub(crate) fn remembered(&self, whom: Whom, now: Place) -> Result<Vec<u64>, Fault> {
+        let mut count = 0;
+        self.save(whom, now, &mut |_| count += 1)?;
+        let mut words = Vec::new();
+        words
+            .try_reserve_exact(count)
+            .map_err(|_| Fault::Status(JCAS_ERROR_RESOURCES))?;
+        self.save(whom, now, &mut |word| words.push(word))?;
+        Ok(words)
     }
 
     /// Replaces what the controller for someone remembers. Without words it remembers nothing.

@@ -128,6 +128,15 @@ impl LastStep {
         write(u64::from(t));
     }
 
+    /// Replaces the seed of the step at the head of a memory, for a state with another seed.
+    pub fn reseed(memory: &mut [u64], seed: u64) {
+        if let [some, word, ..] = memory
+            && *some == 1
+        {
+            *word = seed;
+        }
+    }
+
     /// Reads the step.
     ///
     /// # Errors

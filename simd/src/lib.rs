@@ -1,13 +1,13 @@
-//! The batch step of the kernel and the matrix multiplication of policies, compiled for several
+//! The steps of the kernel and the matrix multiplication of policies, compiled for several
 //! instruction sets. The instruction set is chosen at run time.
 //!
-//! Both have one source and give the same bits on every instruction set; only their speed differs.
+//! Each has one source and gives the same bits on every instruction set; only their speed differs.
 //! A function with target features is `unsafe` to call, as the processor may lack them. This crate
 //! contains those calls and nothing else.
 #![deny(clippy::undocumented_unsafe_blocks)]
 
 use jcas_core::batch::BatchOut;
-use jcas_core::{Error, Model, Scratch};
+use jcas_core::{Error, Model, Scratch, StateMut, StepOutcome};
 use jcas_policy::network::MatmulKernel;
 
 /// An instruction set that the code is compiled for and that this machine has.
@@ -90,6 +90,30 @@ impl InstructionSet {
         }
     }
 
+    /// Runs [`Model::step`] with this instruction set.
+    ///
+    /// # Errors
+    /// The errors are those of [`Model::step`].
+    #[inline]
+    pub fn step(
+        self,
+        model: &Model<'_>,
+        state: &mut StateMut<'_>,
+        scratch: &mut Scratch<'_>,
+        actions: &[f32],
+    ) -> Result<StepOutcome, Error> {
+        match self.0 {
+            Set::Baseline => model.step(state, scratch, actions),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: only `best` and `all` make this variant, and only if the machine has its
+            // features.
+            Set::V3 => unsafe { step_v3(model, state, scratch, actions) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Set::V4 => unsafe { step_v4(model, state, scratch, actions) },
+        }
+    }
+
     /// Returns the matrix multiplication of networks for this instruction set.
     #[must_use]
     pub fn matmul(self) -> MatmulKernel {
@@ -125,10 +149,10 @@ fn has_v4() -> bool {
         && is_x86_feature_detected!("avx512vl")
 }
 
-/// Compiles the batch step and the matrix multiplication for an instruction set.
+/// Compiles both steps and the matrix multiplication for an instruction set.
 #[cfg(target_arch = "x86_64")]
 macro_rules! compile_for {
-    ($has:ident, $features:literal, $batch_step:ident, $multiply:ident) => {
+    ($has:ident, $features:literal, $batch_step:ident, $step:ident, $multiply:ident) => {
         /// # Safety
         #[doc = concat!("The processor has what [`", stringify!($has), "`] looks for.")]
         #[target_feature(enable = $features)]
@@ -146,6 +170,18 @@ macro_rules! compile_for {
         /// # Safety
         #[doc = concat!("The processor has what [`", stringify!($has), "`] looks for.")]
         #[target_feature(enable = $features)]
+        unsafe fn $step(
+            model: &Model<'_>,
+            state: &mut StateMut<'_>,
+            scratch: &mut Scratch<'_>,
+            actions: &[f32],
+        ) -> Result<StepOutcome, Error> {
+            model.step_inline(state, scratch, actions)
+        }
+
+        /// # Safety
+        #[doc = concat!("The processor has what [`", stringify!($has), "`] looks for.")]
+        #[target_feature(enable = $features)]
         unsafe fn $multiply(operands: jcas_policy::network::MatmulArgs<'_>) {
             operands.multiply_inline::<64>();
         }
@@ -157,6 +193,7 @@ compile_for!(
     has_v3,
     "avx2,bmi1,bmi2,lzcnt,popcnt",
     batch_step_v3,
+    step_v3,
     multiply_v3
 );
 #[cfg(target_arch = "x86_64")]
@@ -164,5 +201,6 @@ compile_for!(
     has_v4,
     "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512cd,avx512dq,avx512vl",
     batch_step_v4,
+    step_v4,
     multiply_v4
 );

@@ -150,10 +150,20 @@ static void fly_policies(const jcas::model &model)
     const std::vector<unsigned char> memory = policy.save_memory(sim).take();
     CHECK(!memory.empty() && policy.load_memory(sim, memory) && policy.forget());
     CHECK(policy.load_memory(sim, {memory.data(), 8}).code() == JCAS_ERROR_CORRUPT);
+    const std::vector<std::uint64_t> seeds = {8, 9};
     jcas::batch batch = jcas::batch::create(model, 2).take();
     CHECK(policy.act(batch, actions).code() == JCAS_ERROR_LENGTH);
     actions.resize(2 * actions.size());
     CHECK(policy.act(batch, actions));
+
+    CHECK(sim.reset(3) && policy.fork(sim, batch));
+    jcas::futures futures(batch.environments());
+    CHECK(policy.roll_out(batch, 7, futures) && futures.steps[1] == 7);
+    CHECK(futures.returns[0] == futures.returns[1] && futures.metrics[0].steps == 7);
+    const double flown = futures.returns[0];
+    CHECK(batch.fork(sim, seeds) && batch.roll_out(actions, 1, futures));
+    CHECK(futures.steps[0] == 1 && futures.returns[0] != flown);
+    CHECK(batch.roll_out(actions, 2, futures).code() == JCAS_ERROR_LENGTH);
 }
 
 static void follow_plans(const jcas::model &model)

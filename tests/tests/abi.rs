@@ -138,6 +138,7 @@ fn abuse_leaves_no_function_out() {
         "abuse_batch.c",
         "plans.c",
         "policies.c",
+        "futures.c",
         "traces.c",
     ]) {
         abuse += &fs::read_to_string(file).expect("the tests are there");

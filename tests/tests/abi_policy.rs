@@ -94,6 +94,15 @@ fn policies_in_c_fly_what_they_fly_in_rust() {
 }
 
 #[test]
+fn rollouts_make_what_simulations_alone_make() {
+    for compiler in c_compilers() {
+        let source = root().join("tests/c/futures.c");
+        let program = compile(compiler, "c11", "futures", &[source]);
+        run(Command::new(program).arg(policy_file()));
+    }
+}
+
+#[test]
 fn the_example_flies_the_shipped_policy() {
     let hash = fly_network(&model(15, 7), derive_seed(1, 0), Mode::Deterministic);
     for compiler in c_compilers() {

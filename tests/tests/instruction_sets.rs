@@ -1,4 +1,4 @@
-//! The batch step of each instruction set of this machine reproduces the golden traces.
+//! The steps of each instruction set of this machine reproduce the golden traces.
 
 use std::fs;
 use std::path::Path;
@@ -26,6 +26,7 @@ fn reproduce(name: &str, trace: &Trace, set: InstructionSet) {
             &mut [],
         )
         .expect("buffers of the right lengths");
+    let mut alone = states.clone();
     for (index, step) in trace.steps.iter().enumerate() {
         let (mut reward, mut terminated, mut truncated) = ([0.0], [0], [0]);
         let mut out = BatchOut {
@@ -40,6 +41,10 @@ fn reproduce(name: &str, trace: &Trace, set: InstructionSet) {
             .expect("a legal step");
         let at = || format!("{name}, step {}, {}", index + 1, set.name());
         assert_eq!(hash::words(&states), step.state_hash.0, "{}", at());
+        let mut state = model.state_mut(&mut alone).expect("a state of the model");
+        set.step(&model, &mut state, &mut scratch, actions)
+            .expect("a legal step");
+        assert_eq!(alone, states, "without observations, {}", at());
         let seen = hash::reals(&observations);
         assert_eq!(seen, step.observation_hash.0, "{}", at());
     }

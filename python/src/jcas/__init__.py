@@ -31,6 +31,7 @@ from .errors import (
 )
 from .fleet import FleetEnv
 from .flown import Policy
+from .futures import Futures
 from .model import Model
 from .parallel import JcasEnv, JcasParallelEnv, env, parallel_env
 from .plan import Plan
@@ -54,6 +55,7 @@ __all__ = [
     "EpisodeOverError",
     "FleetEnv",
     "FleetVectorEnv",
+    "Futures",
     "JcasEnv",
     "JcasError",
     "JcasParallelEnv",

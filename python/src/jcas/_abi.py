@@ -380,6 +380,26 @@ class jcas_plan_info(Structure):
     )
 
 
+class jcas_rollout_out(Structure):
+    _fields_ = (
+        ("struct_size", c_uint32),
+        ("reserved", c_uint32),
+        ("returns", c_void_p),
+        ("return_count", c_size_t),
+        ("steps", c_void_p),
+        ("step_count", c_size_t),
+        ("terminated", c_void_p),
+        ("terminated_count", c_size_t),
+        ("truncated", c_void_p),
+        ("truncated_count", c_size_t),
+        ("metrics", c_void_p),
+        ("metrics_count", c_size_t),
+        ("metrics_size", c_size_t),
+        ("snapshots", c_void_p),
+        ("snapshots_size", c_size_t),
+    )
+
+
 def declare(library: CDLL) -> None:
     """Give every function its types."""
     library.jcas_version.argtypes = ()
@@ -779,3 +799,14 @@ def declare(library: CDLL) -> None:
     library.jcas_policy_follow.restype = c_int32
     library.jcas_plan_free.argtypes = (c_void_p,)
     library.jcas_plan_free.restype = c_int32
+    library.jcas_batch_fork.argtypes = (c_void_p, c_void_p, c_void_p, c_void_p, c_size_t)
+    library.jcas_batch_fork.restype = c_int32
+    library.jcas_batch_rollout.argtypes = (
+        c_void_p,
+        c_void_p,
+        c_void_p,
+        c_size_t,
+        c_uint32,
+        POINTER(jcas_rollout_out),
+    )
+    library.jcas_batch_rollout.restype = c_int32

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _abi
+from . import _abi, futures
 from ._library import check, fail_saying, lib
 from .arguments import flags, floats, seeds_of, shown, snapshot_of, whole
 from .errors import ActionError, ArgumentError, ResetNeededError, SnapshotError
+from .futures import METRICS, Futures
 from .in_use import Mark
 from .model import Model, check_model
 from .sim import EPISODE_INFO, REWARD_NAMES, Sim
 
-METRICS = np.dtype(_abi.jcas_metrics)
 WHOLE_METRICS = tuple(name for name, zero in EPISODE_INFO.items() if type(zero) is int)
 REAL_METRICS = tuple(name for name, zero in EPISODE_INFO.items() if type(zero) is float)
 
@@ -257,6 +257,47 @@ class Batch:
         """Put the state of a simulation in an environment's place."""
         place = whole("index", index, 0, self.num_envs - 1)
         self._check(lib.jcas_batch_set(self.handle, place, self._check_sim(sim).handle))
+
+    def fork(self, sim: Sim, seeds: npt.ArrayLike | None = None) -> None:
+        """Copy the state of a simulation into every environment.
+
+        Args:
+            sim: a simulation of the batch's configuration.
+            seeds: M seeds, from which all later draws follow. What was drawn before stays, such as
+                the hotspots. None keeps the seed: equal actions then give equal futures.
+
+        """
+        self.fork_with(self._check_sim(sim), None, seeds)
+
+    def rollout(self, actions: npt.ArrayLike) -> Futures:
+        """Step every environment by given actions, [M, K, N, 2], until its episode ends.
+
+        An environment whose episode has ended already makes no step.
+        """
+        try:
+            given = np.shape(actions)
+        except ValueError:  # Rows of unequal lengths have no shape.
+            given = ()
+        steps = max(given[1], 1) if len(given) == len(self._action_shape) + 1 else 1
+        rows = floats("actions", actions, (self.num_envs, steps, *self._action_shape[1:]))
+        return self.roll_out_with(None, rows, steps)
+
+    def fork_with(
+        self, sim: Sim, policy: ctypes.c_void_p | None, seeds: npt.ArrayLike | None
+    ) -> None:
+        """Copy a simulation, and what the policy of a handle remembers of it."""
+        self._check(futures.fork(self, self._check_sim(sim), policy, seeds))
+        self.begun = True
+
+    def roll_out_with(
+        self, policy: ctypes.c_void_p | None, actions: npt.NDArray[np.float32] | None, steps: int
+    ) -> Futures:
+        """Step every environment by the policy of a handle, or by given actions."""
+        if not self.begun:
+            raise ResetNeededError("rollout before the first reset: call reset or fork first")
+        status, made = futures.roll_out(self, policy, actions, steps)
+        self._check(status)
+        return made
 
     def save(self) -> bytes:
         """Save all environments: their snapshots, one after another."""

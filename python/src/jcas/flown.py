@@ -15,9 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ._library import check, check_with_message, lib, listed
-from .arguments import read_file, shown
+from .arguments import read_file, shown, whole
 from .batch import Batch
 from .errors import ArgumentError, PolicyError, SnapshotError
+from .futures import STEPS_MAX, Futures
 from .model import Model, check_model
 from .plan import Plan
 from .sim import Sim
@@ -162,6 +163,33 @@ class Policy:
             lib.jcas_policy_act_batch(self.handle, batch.handle, actions.ctypes.data, actions.size)
         )
         return actions
+
+    def fork_batch(self, batch: Batch, sim: Sim, seeds: npt.ArrayLike | None = None) -> None:
+        """Copy a simulation, and what the policy remembers of it, into every environment.
+
+        Args:
+            batch: the batch.
+            sim: the simulation that the policy has acted for.
+            seeds: as for `Batch.fork`.
+
+        Raises:
+            PolicyError: the policy remembers another state than the one of `sim`.
+
+        """
+        if not isinstance(batch, Batch):
+            raise ArgumentError(f"batch = {shown(batch)}: must be a jcas.Batch")
+        self._check_model("batch", batch.model)
+        batch.fork_with(sim, self.handle, seeds)
+
+    def rollout_batch(self, batch: Batch, steps: int) -> Futures:
+        """Step every environment of a batch by this policy, until its episode ends.
+
+        The results are those of `act_batch` and `Batch.step` in turn, on the batch's threads.
+        """
+        if not isinstance(batch, Batch):
+            raise ArgumentError(f"batch = {shown(batch)}: must be a jcas.Batch")
+        self._check_model("batch", batch.model)
+        return batch.roll_out_with(self.handle, None, whole("steps", steps, 1, STEPS_MAX))
 
     def save_memory(self, sim: Sim) -> bytes:
         """Save what the policy remembers of a simulation; `sim.save()` gives the state itself."""
