@@ -264,6 +264,32 @@ fn a_callback_ends_the_annealing_and_keeps_the_best() {
     assert!(plan.expected.steps <= plan.start_steps);
 }
 
+/// A move takes a product for each of a hundred hidden hotspots. The caller was first asked after
+/// all 256 moves of a UAV.
+#[test]
+fn a_callback_is_asked_between_long_moves() {
+    let config = Config {
+        grid_width: 40,
+        grid_height: 40,
+        uav_count: 4,
+        hotspot_count: 100,
+        horizon_steps: 100,
+        ..Config::preset(Preset::Search)
+    };
+    let model = Model::new(config).unwrap();
+    let targets = Targets::hidden(&model);
+    let problem = Problem::new(&model, &targets, Situation::at_reset(&model)).unwrap();
+    let cells = problem.situation().cells.iter();
+    let cells: Vec<u32> = cells.map(|&cell| problem.odds().index(cell)).collect();
+    let hovering = Paths::hovering(&cells, problem.steps(), 0);
+    let mut tried = None;
+    let (_, stopped) = Annealer::new(&problem, hovering, 1).run(256, &mut |progress| {
+        tried = Some(progress.iterations);
+        ControlFlow::Break(())
+    });
+    assert!(stopped && tried == Some(0), "{tried:?}");
+}
+
 /// Some batteries last for a dozen steps, and some are empty at first.
 #[test]
 fn batteries_are_respected() {

@@ -165,7 +165,9 @@ impl<'p, 'm> Annealer<'p, 'm> {
 
     /// Anneals as [`Annealer::run`] does.
     pub(crate) fn run_watched(mut self, iterations: u64, watch: &mut Watch<'_>) -> Paths {
-        let products = self.problem.steps * self.problem.odds.stride();
+        let (steps, stride) = (self.problem.steps, self.problem.odds.stride());
+        let products = steps * (stride + self.problem.products());
+        let products_of_turn = steps * stride * self.paths.uav_count() + products;
         let mut best = (self.value, self.paths.clone());
         let movers = self.problem.movers.as_slice();
         let mut tried = 0;
@@ -174,6 +176,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
             let temperature = HOT * libm::pow(COLD / HOT, share);
             let uav = movers[self.draws.below(movers.len())];
             self.take_turn(uav);
+            watch.work(products_of_turn);
             let batch = BATCH.min(iterations - tried);
             let mut done = 0;
             while done < batch && !watch.work(products) {
