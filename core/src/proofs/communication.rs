@@ -131,9 +131,9 @@ pub fn measuring_the_throughput_keeps_its_contract() {
     assert!(!differ(&expected, &after));
 }
 
-/// In a fleet of any size that is linked pair by pair, both ways of building the graph link the same
-/// pairs. A test alone: places decide the bounds of its loops, which Kani's symbolic execution does
-/// not finish.
+/// In a fleet of any size that is linked pair by pair, both ways of building the graph link the
+/// same pairs. A test alone: places decide the bounds of its loops, which Kani's symbolic execution
+/// does not finish.
 #[cfg(not(kani))]
 pub fn buckets_link_the_pairs_that_pairs_link() {
     given!(model = any_bucketed_model);

@@ -13,8 +13,8 @@
 //! kernel's state. `checksum` in the last line is the same hash over all bytes that come before
 //! `,"checksum"`.
 //!
-//! The crate `jcas-trace` writes the text and repeats it. A [`Trace`] keeps the text as it is, and is
-//! a view of what its lines say.
+//! The crate `jcas-trace` writes the text and repeats it. A [`Trace`] keeps the text as it is, and
+//! is a view of what its lines say.
 //!
 //! This module needs neither threads nor the file system, so that traces are checked on any target.
 
