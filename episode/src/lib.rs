@@ -2,7 +2,7 @@
 //!
 //! - [`files`]: regular files of bounded size;
 //! - [`card`]: trained policies on disk, with their cards;
-//! - [`mission`]: one episode, or a campaign of many on all cores;
+//! - [`campaign`]: one episode, or a campaign of many on all cores;
 //! - [`statistics`]: success, mission time, energy, CO2 and throughput with 95 % intervals;
 //! - [`trace`]: an episode on file, verified bit for bit;
 //! - [`replay`]: a page that plays such an episode;

@@ -3,7 +3,7 @@
 //!
 //! - [`variables`] is the table of variables, which the description and every get and set use.
 //! - [`description`] writes that table as `modelDescription.xml`.
-//! - [`setup`] has the parameters, and [`mission`] has the episode that runs with them.
+//! - [`setup`] has the parameters, and [`episode`] has the episode that runs with them.
 //! - [`error`] has the reasons why a call is refused.
 //! - [`values`] has the values of variables and of outputs.
 //! - [`instance`] is the life cycle of an instance, from instantiation to termination.
