@@ -848,8 +848,8 @@ public:
         return memory;
     }
 
-    /// Copies a simulation, and what this policy remembers of it, into every environment of a batch;
-    /// see jcas_batch_fork.
+    /// Copies a simulation, and what this policy remembers of it, into every environment of a
+    /// batch; see jcas_batch_fork.
     status fork(const sim &from, batch &into, span<const std::uint64_t> seeds = {})
     {
         return jcas_batch_fork(into.get(), from.get(), get(), seeds.data(), seeds.size());

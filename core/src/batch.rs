@@ -285,8 +285,8 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Does the same as [`Model::step`], compiled into its caller and so for the caller's instruction
-    /// set.
+    /// Does the same as [`Model::step`], compiled into its caller and so for the caller's
+    /// instruction set.
     ///
     /// # Errors
     /// The errors of [`Model::step`].
