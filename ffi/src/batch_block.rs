@@ -442,7 +442,7 @@ impl Batch {
         Ok(())
     }
 
-    /// Returns who does the work of this batch, in the process that built it.
+    /// Returns the threads that do the work of this batch, in the process that built it.
     fn crew(&self) -> Crew<'static> {
         match self.shape.runner {
             Some(runner) => Crew::Runner(runner),

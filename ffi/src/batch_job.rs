@@ -28,7 +28,7 @@ impl Runner {
     }
 }
 
-/// Who does the work of a batch.
+/// The threads that do the work of a batch.
 #[derive(Clone, Copy)]
 pub(crate) enum Crew<'a> {
     /// The caller's thread alone.

@@ -1,5 +1,5 @@
 /* Forks and rollouts: every environment of a batch makes what a simulation alone makes, bit for
- * bit, whatever the policy and the threads. Wrong calls are refused by name.
+ * bit, for every policy and number of threads. Wrong calls are refused by name.
  *
  *   futures policies/mission/policy.safetensors
  */
