@@ -1,5 +1,5 @@
-//! Measures futures of one state on one thread, beside plain steps: `cargo bench -p jcas-ffi --bench
-//! futures`.
+//! Measures futures of one state on one thread, beside plain steps:
+//! `cargo bench -p jcas-ffi --bench futures`.
 //!
 //! The calls take turns, so that other load on the machine affects all alike. The figure of each is
 //! its fastest tenth. Given actions cost what plain steps cost; the policy is forked with its
