@@ -145,6 +145,12 @@ def test_an_episode_is_recorded_saved_and_shown(tmp_path):
     assert jcas.replay_trace(tmp_path / "episode.jsonl").terminated
     page = trace.to_html()
     assert "{{" not in page and 'src="' not in page and "@import" not in page
+    assert set(json.loads(page.split('id="presets">')[1].split("</script>")[0])["presets"]) == {
+        "mission",
+        "paper",
+        "search",
+        "isac",
+    }
     data = page_data(page)
     assert data["header"] == trace.header and data["end"] == trace.end
     assert [step["t"] for step in data["steps"]] == list(range(1, len(trace.steps) + 1))

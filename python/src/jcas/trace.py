@@ -23,6 +23,7 @@ from .evaluation import Act
 from .files import write_whole
 from .flown import Policy
 from .model import Model, check_model
+from .registration import PRESETS
 from .sim import Sim
 from .spaces import ActionForm, ActionSpaceKind
 
@@ -82,7 +83,7 @@ class Trace:
         page = Path(__file__).parent / "_native" / "replay.html"
         data = json.dumps(_page_data(self), separators=(",", ":")).replace("<", "\\u003c")
         filled = read_file(page).decode().replace("{{title}}", html.escape(repr(self)), 1)
-        return filled.replace("{{data}}", data, 1)
+        return filled.replace("{{presets}}", _page_presets(), 1).replace("{{data}}", data, 1)
 
     def save_html(self, path: str | os.PathLike[str]) -> None:
         """Write the page of `to_html` to a file."""
@@ -263,6 +264,12 @@ def _memory(model: Model) -> npt.NDArray[np.uint64]:
     size, alignment = ctypes.c_size_t(), ctypes.c_size_t()
     check(lib.jcas_trace_layout(model.handle, ctypes.byref(size), ctypes.byref(alignment)))
     return np.zeros(size.value // 8, np.uint64)
+
+
+def _page_presets() -> str:
+    """Return the presets, by which the page names that of its episode, and no command for it."""
+    presets = {name: dict(Config(name)) for name in PRESETS}
+    return json.dumps({"first": PRESETS[0], "presets": presets, "baselines": []})
 
 
 def _page_data(trace: Trace) -> dict[str, Any]:
