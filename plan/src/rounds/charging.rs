@@ -20,6 +20,19 @@ pub(super) enum Duty {
     Grounded,
 }
 
+impl Duty {
+    /// Returns the duty of a UAV with a charge, of which it needs the least to go its round.
+    pub(super) fn of(charge_uj: u64, least_uj: u64) -> Self {
+        if charge_uj == 0 {
+            Self::Grounded
+        } else if charge_uj < least_uj {
+            Self::Home
+        } else {
+            Self::Round
+        }
+    }
+}
+
 /// The rule by which the members of a team charge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Charging {
@@ -68,13 +81,7 @@ impl Charging {
 
     /// Returns the duty of a UAV with a charge in a cell.
     pub(super) fn duty(self, model: &Model<'_>, cell: Cell, charge_uj: u64) -> Duty {
-        if charge_uj == 0 {
-            Duty::Grounded
-        } else if charge_uj < self.least_uj(model, cell) {
-            Duty::Home
-        } else {
-            Duty::Round
-        }
+        Duty::of(charge_uj, self.least_uj(model, cell))
     }
 
     pub(super) fn save(self, write: &mut dyn FnMut(u64)) {

@@ -56,11 +56,7 @@ impl<'t> Crew<'t> {
     /// Sets the duty of the members with the highest charge. Returns those with another duty.
     pub(super) fn part(&mut self, model: &Model<'_>) -> Option<Self> {
         let least_uj = self.team.charging.least_uj(model, self.cell);
-        let duty = |charge_uj: u64| match charge_uj {
-            0 => Duty::Grounded,
-            charge_uj if charge_uj < least_uj => Duty::Home,
-            _ => Duty::Round,
-        };
+        let duty = |charge_uj| Duty::of(charge_uj, least_uj);
         self.duty = self.charges_uj.first().map_or(self.duty, |&uj| duty(uj));
         if self.duty != Duty::Round {
             self.target = None;
