@@ -174,10 +174,12 @@ impl<'a> Report<'a> {
                 continue;
             }
             let digits = decimals(estimate.value);
-            text += &format!(
-                "{:20} {:>10.digits$}  [{:.digits$}, {:.digits$}] {}\n",
+            let line = format!(
+                "{:20} {:>10.digits$}  [{:.digits$}, {:.digits$}] {}",
                 quantity.title, estimate.value, estimate.low, estimate.high, quantity.unit
             );
+            text += line.trim_end();
+            text.push('\n');
         }
         text += &format!(
             "\nIn brackets 95 % intervals. An episode without success counts as {} steps.\n\
