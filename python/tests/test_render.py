@@ -1,6 +1,8 @@
 """Pictures: what they show, not only that they exist."""
 
 import dataclasses
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,6 +28,23 @@ def test_a_picture_has_its_size_and_colors():
     image = render.draw(scene())
     assert image.shape == (720, 1016, 3) and image.dtype == np.uint8
     assert count(image, sprites.PAPER) > 10_000 and count(image, sprites.WHITE) > 100_000
+
+
+def test_pictures_have_the_colors_of_the_replay_page():
+    style = Path(__file__).parents[2] / "episode" / "src" / "replay" / "style.css"
+    light = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6})", style.read_text().split("@media")[0]))
+    for name, color in {
+        "talk": sprites.COMMUNICATING,
+        "sense": sprites.SENSING,
+        "link": sprites.LINK,
+        "faint": sprites.DEPOT,
+        "unconfirmed": sprites.UNCONFIRMED,
+        "confirmed": sprites.CONFIRMED,
+        "informed": sprites.INFORMED,
+        "battery": sprites.BATTERY,
+        "low": sprites.LOW,
+    }.items():
+        assert light[name] == "#" + bytes(color).hex(), name
 
 
 def test_equal_scenes_give_equal_pictures():
